@@ -1,0 +1,159 @@
+//! Leases: the workers' side of the API.
+//!
+//! A worker asks for work, is given the jobs of one ensemble under one lease id, says every ten seconds that it lives,
+//! and ends each job by completing, failing or releasing it.
+//! Every answer names the lease; under another lease than the job's current one it changes nothing (409).
+
+use std::collections::BTreeMap;
+
+use granary_core::identity::{ArtifactHash, ResultHash};
+use granary_core::stage::{StageFailure, StageSpec};
+use serde::{Deserialize, Serialize};
+
+use crate::id::{JobId, LeaseId, WorkerId};
+
+/// `POST /leases`: what the worker can do.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LeaseRequest {
+    /// Who asks.
+    pub worker: WorkerId,
+    /// The physics version of its engine; jobs of another are never given to it.
+    pub physics_version: u32,
+    /// Release of the worker's program.
+    pub engine_version: String,
+    /// Memory that an ensemble may take \[bytes\].
+    pub memory_bytes: u64,
+    /// How long to wait for work before answering with none \[s\], at most 30.
+    pub wait_s: f64,
+}
+
+/// The jobs of one ensemble, under one lease.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct LeaseGrant {
+    /// The lease; `jobs` is never empty.
+    pub lease: LeaseId,
+    /// How often to send a heartbeat \[s\].
+    pub heartbeat_s: f64,
+    /// The jobs, all with the same ensemble key and, if they have checkpoints, at the same step.
+    pub jobs: Vec<LeasedJob>,
+}
+
+/// One job of a lease.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct LeasedJob {
+    /// The job.
+    pub job: JobId,
+    /// What to compute.
+    #[serde(flatten)]
+    pub spec: StageSpec,
+    /// The state that it starts from; none for `pack`. The same for every job of a lease.
+    pub input: Option<ArtifactHash>,
+    /// The latest checkpoint of an earlier attempt.
+    pub checkpoint: Option<ArtifactHash>,
+}
+
+/// `POST /leases/{lease}/heartbeat`: I live, and this is how far I am.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Heartbeat {
+    /// Progress of each job still held.
+    pub jobs: Vec<JobProgress>,
+}
+
+/// How far one job is.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct JobProgress {
+    /// The job.
+    pub job: JobId,
+    /// Steps done.
+    pub step: u64,
+    /// Steps in all.
+    pub steps: u64,
+    /// The latest checkpoint, already stored as an artifact.
+    pub checkpoint: Option<ArtifactHash>,
+}
+
+/// The answer to a heartbeat.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct HeartbeatReply {
+    /// Jobs of this lease that the worker should drop: cancelled, or no longer under this lease.
+    pub stop: Vec<JobId>,
+}
+
+/// `POST /leases/{lease}/complete`: outcomes of some or all jobs of the lease.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Completion {
+    /// One per finished job; all are recorded, or none.
+    pub outcomes: Vec<JobOutcome>,
+}
+
+/// What one job yielded; its artifacts are already stored.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct JobOutcome {
+    /// The job.
+    pub job: JobId,
+    /// Scalars by name.
+    pub results: BTreeMap<String, Option<f64>>,
+    /// Files by name.
+    pub artifacts: BTreeMap<String, ArtifactHash>,
+    /// What a reader of the numbers should know.
+    pub warnings: Vec<String>,
+    /// The hash of the above, as [`granary_core::stage::Outcome::hash`] makes it.
+    pub result_hash: ResultHash,
+    /// Where and how it was computed.
+    pub provenance: Provenance,
+}
+
+/// Where and how an outcome was computed: kept beside it, never part of its hash.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Provenance {
+    /// Release of the program.
+    pub engine_version: String,
+    /// Physics version.
+    pub physics_version: u32,
+    /// Target and vector width, such as `x86_64-linux avx512`.
+    pub target: String,
+    /// Who computed it.
+    pub worker: WorkerId,
+    /// Time steps of this job.
+    pub steps: u64,
+    /// Jobs side by side in the ensemble.
+    pub lanes: u32,
+    /// Wall time of the ensemble \[s\], from this attempt's start.
+    pub wall_s: f64,
+    /// CPU time of the ensemble's thread \[s\].
+    pub cpu_s: f64,
+}
+
+/// `POST /leases/{lease}/fail`: some jobs cannot be finished.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FailureReport {
+    /// One per failed job.
+    pub failures: Vec<JobFailure>,
+}
+
+/// Why one job failed.
+///
+/// `stopped` is final (the physics broke down); `input` is a fault of the machine and is tried again.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct JobFailure {
+    /// The job.
+    pub job: JobId,
+    /// Why.
+    pub failure: StageFailure,
+}
+
+/// `POST /leases/{lease}/release`: hands jobs back untouched, with the latest checkpoint of each.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Release {
+    /// The jobs handed back, with their progress.
+    pub jobs: Vec<JobProgress>,
+}

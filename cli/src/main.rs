@@ -1,0 +1,2 @@
+//! granary
+fn main() {}

@@ -1,0 +1,24 @@
+//! The engine and the experiments of Granary: silent, deterministic, without I/O.
+//!
+//! # Units
+//! Inside the engine the sphere radius R, the density ρ and Young's modulus E are 1.
+//! Then the unit of time is t_c = R√(ρ/E), of pressure E, of force E R², of energy E R³.
+//! SI units appear only at the boundary: in the parameter table and in the outcomes that name them.
+//!
+//! # Signs
+//! `normal` points from grain `j` into grain `i`; overlap, pressure and compressive strain are positive.
+//!
+//! # Reading order
+//! The modules stand in the order in which they may import one another (see ARCHITECTURE.md).
+
+pub mod identity;
+pub mod parameter;
+
+pub mod memory;
+
+pub mod stage;
+
+/// The version of the physics: raised whenever the bits of any outcome change.
+///
+/// It enters every [`identity::StageId`], so outcomes of another version are never taken for this one's.
+pub const PHYSICS_VERSION: u32 = 1;

@@ -1,0 +1,370 @@
+//! Specs: one point of the memory experiment, and the three stages it leads to.
+//!
+//! Field order is part of every stage's identity: add at the end, never reorder.
+
+use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value};
+
+use super::parameters::{PARAMETERS, PRESETS};
+use super::waveform::Waveform;
+use crate::identity::StageId;
+
+/// The shape of every grain.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ShapeName {
+    /// Four overlapping spheres.
+    Tetrahedron,
+    /// One sphere.
+    Sphere,
+}
+
+/// The tangential force law.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum ForceLaw {
+    /// Linear spring and dashpot under a Coulomb limit, Eq. (4).
+    H,
+}
+
+/// The numbers that a recall is computed in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Precision {
+    /// Single precision displacements from a double precision reference.
+    F32,
+    /// Double precision.
+    F64,
+}
+
+/// What a packing is: everything that enters the stage `pack`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PackSpec {
+    /// N.
+    pub grains: u32,
+    /// Which realization.
+    pub packing_seed: u64,
+    /// The grains' shape.
+    pub shape: ShapeName,
+    /// 𝒪; 1 for spheres, whatever the user said, since it means nothing to them.
+    pub overlap: f64,
+    /// R \[m\].
+    pub radius: f64,
+    /// ρ \[kg/m³\].
+    pub density: f64,
+    /// E \[Pa\].
+    pub youngs_modulus: f64,
+    /// ν.
+    pub poisson_ratio: f64,
+    /// γ_n/k_n \[t_c\].
+    pub normal_damping: f64,
+    /// k_w/k_n.
+    pub wall_stiffness: f64,
+    /// δ0.
+    pub delta0: f64,
+    /// p_z/E.
+    pub servo_pressure: f64,
+    /// \[R/t_c\].
+    pub gas_speed: f64,
+    /// \[t_c\].
+    pub gas_time: f64,
+    /// Frictionless cycles.
+    pub preparation_cycles: u32,
+    /// \[t_c\].
+    pub preparation_time_step: f64,
+    /// \[t_c\].
+    pub preparation_ramp: f64,
+    /// \[E R³\].
+    pub rest_kinetic_energy: f64,
+}
+
+impl PackSpec {
+    /// An estimate of the steps: gas, 20,000 t_c of servo (15,000 to 25,000 in practice), and the cycles.
+    #[must_use]
+    pub fn predicted_steps(&self) -> u64 {
+        let free = ((self.gas_time + 20_000.0) / self.preparation_time_step) as u64;
+        free + 2
+            * u64::from(self.preparation_cycles)
+            * crate::memory::ramp_steps(self.preparation_ramp, self.preparation_time_step)
+    }
+}
+
+/// The cycle with friction that every waveform of a pack shares: what enters the stage `train`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TrainSpec {
+    /// The prepared pack.
+    pub pack: StageId,
+    /// μ.
+    pub friction_coefficient: f64,
+    /// The tangential law.
+    pub force_law: ForceLaw,
+    /// k_H \[N/m\], resolved.
+    pub tangential_stiffness: f64,
+    /// (γ_H/k_H)/(γ_n/k_n).
+    pub tangential_damping_ratio: f64,
+    /// Largest time step \[t_c\].
+    pub time_step: f64,
+    /// t0 \[t_c\].
+    pub ramp: f64,
+    /// η \[1/t_c\].
+    pub drag: f64,
+    /// \[R\].
+    pub skin: f64,
+}
+
+/// One waveform stored and recalled: what enters the stage `recall`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RecallSpec {
+    /// The trained pack.
+    pub train: StageId,
+    /// I(u).
+    pub waveform: Waveform,
+    /// γ0.
+    pub gamma0: f64,
+    /// Largest time step \[t_c\].
+    pub time_step: f64,
+    /// t0 \[t_c\].
+    pub ramp: f64,
+    /// η \[1/t_c\].
+    pub drag: f64,
+    /// Storage time \[ramps\].
+    pub hold: f64,
+    /// Number type.
+    pub precision: Precision,
+    /// Whether the second cycle follows.
+    pub second_cycle: bool,
+    /// \[R\].
+    pub skin: f64,
+}
+
+/// All parameters of one point, after defaults.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[expect(
+    missing_docs,
+    reason = "the parameter table documents every field, and a test keeps the two equal"
+)]
+pub struct MemoryPoint {
+    pub grains: u32,
+    pub shape: ShapeName,
+    pub overlap: f64,
+    pub radius: f64,
+    pub density: f64,
+    pub youngs_modulus: f64,
+    pub poisson_ratio: f64,
+    pub friction_coefficient: f64,
+    pub force_law: ForceLaw,
+    pub typical_overlap: f64,
+    pub tangential_stiffness: Option<f64>,
+    pub normal_damping: f64,
+    pub tangential_damping_ratio: f64,
+    pub wall_stiffness: f64,
+    pub delta0: f64,
+    pub gamma0: f64,
+    pub servo_pressure: f64,
+    pub packing_seed: u64,
+    pub waveform: Waveform,
+    pub time_step: f64,
+    pub ramp: f64,
+    pub drag: f64,
+    pub hold: f64,
+    pub precision: Precision,
+    pub second_cycle: bool,
+    pub skin: f64,
+    pub gas_speed: f64,
+    pub gas_time: f64,
+    pub preparation_cycles: u32,
+    pub preparation_time_step: f64,
+    pub preparation_ramp: f64,
+    pub rest_kinetic_energy: f64,
+}
+
+impl MemoryPoint {
+    /// The table's defaults with those of `preset` over them; `None` if there is no such preset.
+    #[must_use]
+    pub fn defaults(preset: &str) -> Option<Map<String, Value>> {
+        let preset = PRESETS.iter().find(|p| p.name == preset)?;
+        let mut map = Map::new();
+        for parameter in PARAMETERS {
+            map.insert(parameter.name.to_owned(), parameter.default_value());
+        }
+        for (name, value) in preset.values {
+            let row = PARAMETERS
+                .iter()
+                .find(|p| p.name == *name)
+                .expect("presets name parameters of the table");
+            let row = crate::parameter::Parameter {
+                default: *value,
+                ..*row
+            };
+            map.insert((*name).to_owned(), row.default_value());
+        }
+        Some(map)
+    }
+
+    /// A point from all its parameters, each already checked against the table.
+    ///
+    /// # Errors
+    /// If a parameter is missing, unknown or of the wrong type, in serde's words.
+    pub fn from_parameters(parameters: Map<String, Value>) -> Result<Self, String> {
+        serde_json::from_value(Value::Object(parameters)).map_err(|error| error.to_string())
+    }
+
+    /// What is allowed but unwise, in full sentences.
+    #[must_use]
+    pub fn warnings(&self) -> Vec<String> {
+        let mut warnings = vec![];
+        if self.gamma0 > 0.05 * self.delta0 {
+            warnings.push(format!(
+                "gamma0 = {} is more than a twentieth of delta0 = {}: the memory is linear only well below it (Fig. 11)",
+                self.gamma0, self.delta0
+            ));
+        }
+        warnings
+    }
+
+    /// k_n \[N/m^(3/2)\] = 2^(−3/2) (4/3) √R E/(1 − ν²), Eq. (3).
+    fn normal_stiffness(&self) -> f64 {
+        let half_root = std::f64::consts::FRAC_1_SQRT_2 * 0.5;
+        half_root * (4.0 / 3.0) * self.radius.sqrt() * self.youngs_modulus
+            / (1.0 - self.poisson_ratio * self.poisson_ratio)
+    }
+
+    /// k_H \[N/m\]: as given, or k_M √p_typ.
+    #[must_use]
+    pub fn resolved_tangential_stiffness(&self) -> f64 {
+        self.tangential_stiffness.unwrap_or_else(|| {
+            let k_m = 3.0 * self.normal_stiffness() * (1.0 - self.poisson_ratio)
+                / (2.0 - self.poisson_ratio);
+            k_m * (self.typical_overlap * self.radius).sqrt()
+        })
+    }
+
+    /// The stage `pack` of this point.
+    #[must_use]
+    pub fn pack(&self) -> PackSpec {
+        let sphere = self.shape == ShapeName::Sphere || self.overlap >= 1.0;
+        PackSpec {
+            grains: self.grains,
+            packing_seed: self.packing_seed,
+            shape: if sphere {
+                ShapeName::Sphere
+            } else {
+                ShapeName::Tetrahedron
+            },
+            overlap: if sphere { 1.0 } else { self.overlap },
+            radius: self.radius,
+            density: self.density,
+            youngs_modulus: self.youngs_modulus,
+            poisson_ratio: self.poisson_ratio,
+            normal_damping: self.normal_damping,
+            wall_stiffness: self.wall_stiffness,
+            delta0: self.delta0,
+            servo_pressure: self.servo_pressure,
+            gas_speed: self.gas_speed,
+            gas_time: self.gas_time,
+            preparation_cycles: self.preparation_cycles,
+            preparation_time_step: self.preparation_time_step,
+            preparation_ramp: self.preparation_ramp,
+            rest_kinetic_energy: self.rest_kinetic_energy,
+        }
+    }
+
+    /// The stage `train` of this point, on the pack named `pack`.
+    #[must_use]
+    pub fn train(&self, pack: StageId) -> TrainSpec {
+        TrainSpec {
+            pack,
+            friction_coefficient: self.friction_coefficient,
+            force_law: self.force_law,
+            tangential_stiffness: self.resolved_tangential_stiffness(),
+            tangential_damping_ratio: self.tangential_damping_ratio,
+            time_step: self.time_step,
+            ramp: self.ramp,
+            drag: self.drag,
+            skin: self.skin,
+        }
+    }
+
+    /// The stage `recall` of this point, in the trained pack named `train`.
+    #[must_use]
+    pub fn recall(&self, train: StageId) -> RecallSpec {
+        RecallSpec {
+            train,
+            waveform: self.waveform.clone(),
+            gamma0: self.gamma0,
+            time_step: self.time_step,
+            ramp: self.ramp,
+            drag: self.drag,
+            hold: self.hold,
+            precision: self.precision,
+            second_cycle: self.second_cycle,
+            skin: self.skin,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn point(preset: &str) -> MemoryPoint {
+        MemoryPoint::from_parameters(MemoryPoint::defaults(preset).expect("preset"))
+            .expect("valid defaults")
+    }
+
+    #[test]
+    fn every_preset_makes_a_valid_point_with_the_tables_fields() {
+        for preset in PRESETS {
+            let map = MemoryPoint::defaults(preset.name).expect("preset");
+            for (name, value) in &map {
+                let row = PARAMETERS
+                    .iter()
+                    .find(|p| p.name == name)
+                    .expect("in the table");
+                assert_eq!(row.check(value), Ok(value.clone()), "{name}");
+            }
+            let back = serde_json::to_value(point(preset.name)).expect("plain data");
+            assert_eq!(back, Value::Object(map));
+        }
+    }
+
+    #[test]
+    fn default_tangential_stiffness_is_mindlins_at_the_typical_overlap() {
+        // The oracle's k_H = 670 N/m is stated as 0.045 R; 666.7 N/m is k_M √(0.045 R) unrounded.
+        let stiffness = MemoryPoint {
+            typical_overlap: 0.045,
+            ..point("standard")
+        }
+        .resolved_tangential_stiffness();
+        assert!((stiffness - 666.7).abs() < 0.05, "{stiffness}");
+    }
+
+    #[test]
+    fn an_overlap_of_one_is_a_sphere() {
+        let tetra = MemoryPoint {
+            overlap: 1.0,
+            ..point("standard")
+        };
+        let sphere = MemoryPoint {
+            shape: ShapeName::Sphere,
+            overlap: 0.3,
+            ..point("standard")
+        };
+        assert_eq!(tetra.pack(), sphere.pack());
+    }
+
+    #[test]
+    fn friction_and_waveform_leave_the_pack_alone() {
+        let one = point("standard");
+        let other = MemoryPoint {
+            friction_coefficient: 0.2,
+            waveform: Waveform::Six(3),
+            ramp: 500.0,
+            ..one.clone()
+        };
+        assert_eq!(one.pack(), other.pack());
+    }
+}

@@ -1,0 +1,333 @@
+//! Waveforms: the shear I(u) that a pack is told, and its integral J(u) that it recalls.
+//!
+//! Every waveform is a sum of half-cycle cosine bumps (Eq. 6); J is its closed form (Eq. 10), never a numerical sum.
+
+use std::fmt;
+
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde_json::{Value, json};
+
+use crate::parameter::shown;
+
+/// The number of evenly spaced values of u, from 0 to 1, at which pressures are recorded (App. C).
+pub const SAMPLES: usize = 256;
+
+/// The largest number of bumps in a custom waveform.
+pub const MAX_BUMPS: usize = 256;
+
+/// u at sample `k`, exactly 0 at the first and 1 at the last.
+#[must_use]
+pub fn sample_u(k: usize) -> f64 {
+    k as f64 / (SAMPLES - 1) as f64
+}
+
+/// The name or the description of a waveform, as a point's parameter.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Waveform {
+    /// I = 0: the background that SUB0 subtracts.
+    Zero,
+    /// `six/s`: signal s = 1 … 6 of Table 1.
+    Six(u8),
+    /// `binary_words/L/w`: the word w = 0 … 2^L − 1 of L bits (App. A.2; the paper's s is w + 1).
+    BinaryWord {
+        /// L, 1 … 16.
+        bits: u8,
+        /// The word, most significant bit first.
+        word: u32,
+    },
+    /// A custom list of bumps.
+    Bumps(Bumps),
+}
+
+/// Half-cycle cosine bumps of one width.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Bumps {
+    /// δu, the full width of every bump.
+    pub width: f64,
+    /// u_0b, where each bump is centred.
+    pub centers: Vec<f64>,
+    /// I_0b, the height of each bump, |I_0b| ≤ 1.
+    pub amplitudes: Vec<f64>,
+}
+
+impl Waveform {
+    /// Reads a waveform from its name or its table of bumps; the error says which rule is broken.
+    pub fn parse(value: &Value) -> Result<Self, String> {
+        match value {
+            Value::String(name) => Self::parse_name(name),
+            Value::Object(_) => {
+                let bumps: Bumps = serde_json::from_value(value.clone())
+                    .map_err(|error| format!("{} is not a list of bumps: {error}", shown(value)))?;
+                bumps.check()?;
+                Ok(Self::Bumps(bumps))
+            }
+            _ => Err(format!(
+                "{} is not a waveform: a name or a table of bumps",
+                shown(value)
+            )),
+        }
+    }
+
+    fn parse_name(name: &str) -> Result<Self, String> {
+        let unknown = || {
+            format!(
+                "{} is not zero, six/1 … six/6 or binary_words/BITS/WORD",
+                shown(&json!(name))
+            )
+        };
+        let parts: Vec<&str> = name.split('/').collect();
+        match parts.as_slice() {
+            ["zero"] => Ok(Self::Zero),
+            ["six", s] => match s.parse() {
+                Ok(s @ 1..=6) if parts[1].len() == 1 => Ok(Self::Six(s)),
+                _ => Err(unknown()),
+            },
+            ["binary_words", bits, word] => {
+                let canonical =
+                    |text: &str| text.parse::<u32>().ok().filter(|n| n.to_string() == text);
+                let bits = canonical(bits)
+                    .filter(|bits| (1..=16).contains(bits))
+                    .ok_or_else(unknown)?;
+                let word = canonical(word)
+                    .filter(|&word| word < (1 << bits))
+                    .ok_or_else(unknown)?;
+                Ok(Self::BinaryWord {
+                    bits: bits as u8,
+                    word,
+                })
+            }
+            _ => Err(unknown()),
+        }
+    }
+
+    /// The canonical JSON: a name, or the table of bumps.
+    #[must_use]
+    pub fn to_value(&self) -> Value {
+        match self {
+            Self::Bumps(bumps) => json!(bumps),
+            named => json!(named.to_string()),
+        }
+    }
+
+    /// The bumps that make up the waveform.
+    #[must_use]
+    pub fn bumps(&self) -> Bumps {
+        match self {
+            Self::Zero => Bumps {
+                width: 0.2,
+                centers: vec![],
+                amplitudes: vec![],
+            },
+            Self::Six(s) => six(*s),
+            Self::BinaryWord { bits, word } => binary_word(*bits, *word),
+            Self::Bumps(bumps) => bumps.clone(),
+        }
+    }
+}
+
+impl fmt::Display for Waveform {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Zero => f.write_str("zero"),
+            Self::Six(s) => write!(f, "six/{s}"),
+            Self::BinaryWord { bits, word } => write!(f, "binary_words/{bits}/{word}"),
+            Self::Bumps(bumps) => f.write_str(&json!(bumps).to_string()),
+        }
+    }
+}
+
+impl Serialize for Waveform {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        self.to_value().serialize(serializer)
+    }
+}
+
+impl<'de> Deserialize<'de> for Waveform {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        Self::parse(&Value::deserialize(deserializer)?).map_err(serde::de::Error::custom)
+    }
+}
+
+impl Bumps {
+    /// Refuses bumps that are empty, not finite, too many, too high, overlapping or outside [0, 1].
+    fn check(&self) -> Result<(), String> {
+        let n = self.centers.len();
+        if n == 0 || n > MAX_BUMPS {
+            return Err(format!("{n} bumps: there must be 1 … {MAX_BUMPS}"));
+        }
+        if self.amplitudes.len() != n {
+            return Err(format!(
+                "{n} centers but {} amplitudes",
+                self.amplitudes.len()
+            ));
+        }
+        if !(self.width > 0.0 && self.width <= 1.0) {
+            return Err(format!("width {} is not in (0, 1]", self.width));
+        }
+        for (b, (&center, &amplitude)) in self.centers.iter().zip(&self.amplitudes).enumerate() {
+            let half = self.width / 2.0;
+            // Half a rounding error of room, so that bumps may touch the ends and each other.
+            let room = 1e-12;
+            if !(center - half >= -room && center + half <= 1.0 + room) {
+                return Err(format!(
+                    "bump {b} at {center} with width {} leaves [0, 1]",
+                    self.width
+                ));
+            }
+            if !(amplitude.abs() <= 1.0) {
+                return Err(format!(
+                    "amplitude {amplitude} of bump {b} is not in [-1, 1]"
+                ));
+            }
+            if b > 0 && !(center - self.centers[b - 1] >= self.width - room) {
+                return Err(format!(
+                    "bump {b} at {center} overlaps the one before it: centers must rise by the width"
+                ));
+            }
+        }
+        Ok(())
+    }
+
+    /// I(u), Eq. (6).
+    #[must_use]
+    pub fn shear(&self, u: f64) -> f64 {
+        let mut sum = 0.0;
+        for (&center, &amplitude) in self.centers.iter().zip(&self.amplitudes) {
+            let x = (u - center) / self.width;
+            if x.abs() < 0.5 {
+                sum += amplitude * libm::cos(std::f64::consts::PI * x);
+            }
+        }
+        sum
+    }
+
+    /// J(u) = ∫₀ᵘ I(v) dv in closed form, Eq. (10).
+    #[must_use]
+    pub fn integral(&self, u: f64) -> f64 {
+        let mut sum = 0.0;
+        for (&center, &amplitude) in self.centers.iter().zip(&self.amplitudes) {
+            let x = (u - center) / self.width;
+            let scale = self.width / std::f64::consts::PI;
+            if x >= 0.5 {
+                sum += amplitude * 2.0 * scale;
+            } else if x > -0.5 {
+                sum += amplitude * scale * (libm::sin(std::f64::consts::PI * x) + 1.0);
+            }
+        }
+        sum
+    }
+}
+
+/// Table 1: the six signals, all of width 0.2.
+fn six(s: u8) -> Bumps {
+    let (centers, amplitudes): (&[f64], &[f64]) = match s {
+        1 => (&[0.3], &[1.0]),
+        2 => (&[0.7], &[1.0]),
+        3 => (&[0.3, 0.7], &[1.0, 1.0]),
+        4 => (&[0.3, 0.7], &[-1.0, 1.0]),
+        5 => (&[0.3, 0.7], &[1.0, -1.0]),
+        _ => (&[0.2, 0.5, 0.8], &[0.5, -1.0, 0.5]),
+    };
+    Bumps {
+        width: 0.2,
+        centers: centers.to_vec(),
+        amplitudes: amplitudes.to_vec(),
+    }
+}
+
+/// App. A.2, Eqs. (15), (16) with p = 2: the bumps in order of u, so that the one at the start comes first.
+fn binary_word(bits: u8, word: u32) -> Bumps {
+    const P: f64 = 2.0;
+    let length = usize::from(bits);
+    let bit = |b: usize| f64::from((word >> (length - 1 - b)) & 1);
+    let unit = 1.0 / (length as f64 + 2.0 * P);
+    let mut centers = vec![P * unit];
+    let mut amplitudes = vec![bit(0) - 0.5];
+    for b in 0..length - 1 {
+        centers.push((P + b as f64 + 1.0) * unit);
+        amplitudes.push(bit(b + 1) - bit(b));
+    }
+    centers.push((P + length as f64) * unit);
+    amplitudes.push(0.5 - bit(length - 1));
+    Bumps {
+        width: unit,
+        centers,
+        amplitudes,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn all() -> Vec<Waveform> {
+        let mut all: Vec<_> = (1..=6).map(Waveform::Six).collect();
+        all.extend((0..8).map(|word| Waveform::BinaryWord { bits: 3, word }));
+        all.push(Waveform::BinaryWord {
+            bits: 10,
+            word: 682,
+        });
+        all.push(Waveform::Zero);
+        all
+    }
+
+    #[test]
+    fn integral_is_the_integral_of_the_shear() {
+        // Midpoint rule with n = 20,000: error ≤ h²/24 · max|I''| ≤ (5e-5)²/24 · (π/δu)², below 1e-6 for δu ≥ 1/14.
+        for waveform in all() {
+            let bumps = waveform.bumps();
+            let n = 20_000;
+            let mut sum = 0.0;
+            for k in 0..n {
+                sum += bumps.shear((k as f64 + 0.5) / n as f64) / n as f64;
+                let u = (k as f64 + 1.0) / n as f64;
+                assert!((sum - bumps.integral(u)).abs() < 1e-6, "{waveform} at {u}");
+            }
+        }
+    }
+
+    #[test]
+    fn integral_of_a_word_follows_its_bits_and_ends_at_zero() {
+        // J is ±δu/π at the middle of each bit: the 3-bit word 001 reads −, −, + (Fig. 5b).
+        let bumps = Waveform::BinaryWord { bits: 3, word: 1 }.bumps();
+        let unit = 1.0 / 7.0;
+        for (b, sign) in [(0.0, -1.0), (1.0, -1.0), (2.0, 1.0)] {
+            let value = bumps.integral((2.0 + b + 0.5) * unit);
+            assert!(
+                (value - sign * unit / std::f64::consts::PI).abs() < 1e-15,
+                "{value}"
+            );
+        }
+        assert!(bumps.integral(1.0).abs() < 1e-16);
+    }
+
+    #[test]
+    fn names_parse_to_themselves() {
+        for waveform in all() {
+            assert_eq!(Waveform::parse(&waveform.to_value()), Ok(waveform));
+        }
+    }
+
+    #[test]
+    fn wrong_names_and_bumps_are_refused() {
+        let wrong = [
+            json!("six/0"),
+            json!("six/7"),
+            json!("six/01"),
+            json!("binary_words/0/0"),
+            json!("binary_words/17/0"),
+            json!("binary_words/3/8"),
+            json!("binary_words/3/+1"),
+            json!(3),
+            json!({"width": 0.2, "centers": [], "amplitudes": []}),
+            json!({"width": 0.2, "centers": [0.05], "amplitudes": [1]}),
+            json!({"width": 0.2, "centers": [0.5, 0.6], "amplitudes": [1, 1]}),
+            json!({"width": 0.2, "centers": [0.5], "amplitudes": [1.5]}),
+            json!({"width": 0.2, "centers": [0.5], "amplitudes": [1], "heigth": 1}),
+        ];
+        for value in wrong {
+            assert!(Waveform::parse(&value).is_err(), "{value}");
+        }
+    }
+}

