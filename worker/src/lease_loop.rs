@@ -7,12 +7,12 @@ use anyhow::{Context, bail};
 use granary_api::id::WorkerId;
 use tokio::sync::Semaphore;
 use tokio::task::JoinSet;
+use tokio_util::sync::CancellationToken;
 
 use crate::config::Config;
 use crate::execute::Engine;
 use crate::lease_client::LeaseClient;
 use crate::report::deliver;
-use crate::shutdown::Shutdown;
 use crate::slot::Slot;
 use crate::spool::Spool;
 
@@ -24,7 +24,7 @@ pub async fn run<C: LeaseClient>(
     client: C,
     engine: Engine,
     config: Config,
-    shutdown: Shutdown,
+    shutdown: CancellationToken,
 ) -> anyhow::Result<()> {
     let spool = Spool::new(config.spool.clone());
     let mut slots = JoinSet::new();
@@ -49,11 +49,11 @@ pub async fn run<C: LeaseClient>(
 /// Waits for all slots; after the word to stop for `grace` at most.
 async fn join(
     slots: &mut JoinSet<anyhow::Result<()>>,
-    shutdown: &Shutdown,
+    shutdown: &CancellationToken,
     grace: Duration,
 ) -> anyhow::Result<()> {
     let late = async {
-        shutdown.wait().await;
+        shutdown.cancelled().await;
         tokio::time::sleep(grace).await;
     };
     tokio::pin!(late);

@@ -8,7 +8,6 @@ pub mod backoff;
 pub mod config;
 pub mod lease_client;
 pub mod machine;
-pub mod shutdown;
 
 pub mod execute;
 

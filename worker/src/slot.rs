@@ -9,6 +9,7 @@ use granary_api::lease::{LeaseGrant, LeaseRequest, Release};
 use granary_core::PHYSICS_VERSION;
 use granary_core::stage::StageFailure;
 use tokio::sync::Semaphore;
+use tokio_util::sync::CancellationToken;
 use tracing::Instrument;
 
 use crate::backoff::{Backoff, persist};
@@ -18,7 +19,6 @@ use crate::execute::{self, Engine, Finished, Running};
 use crate::held::{Held, Word};
 use crate::lease_client::{ClientError, LeaseClient};
 use crate::report::{Report, deliver};
-use crate::shutdown::Shutdown;
 use crate::spool::Spool;
 
 /// The wait after a heartbeat that got no answer.
@@ -39,7 +39,7 @@ pub(crate) struct Slot<C> {
     pub(crate) engine: Engine,
     pub(crate) worker: WorkerId,
     pub(crate) config: Config,
-    pub(crate) shutdown: Shutdown,
+    pub(crate) shutdown: CancellationToken,
     pub(crate) spool: Spool,
     /// Held by the engine thread while it lives, so that a slot never runs two.
     pub(crate) thread: Arc<Semaphore>,
@@ -48,10 +48,10 @@ pub(crate) struct Slot<C> {
 impl<C: LeaseClient> Slot<C> {
     pub(crate) async fn run(self) -> anyhow::Result<()> {
         let mut faults = Backoff::new();
-        while !self.shutdown.requested() {
+        while !self.shutdown.is_cancelled() {
             let grant = tokio::select! {
                 biased;
-                () = self.shutdown.wait() => break,
+                () = self.shutdown.cancelled() => break,
                 grant = persist(|| self.take()) => grant.context("the server gives this worker no work")?,
             };
             let Some(grant) = grant else { continue };
@@ -59,7 +59,7 @@ impl<C: LeaseClient> Slot<C> {
                 faults = Backoff::new();
             } else {
                 tokio::select! {
-                    () = self.shutdown.wait() => {}
+                    () = self.shutdown.cancelled() => {}
                     () = faults.wait() => {}
                 }
             }
@@ -165,7 +165,7 @@ impl<C: LeaseClient> Slot<C> {
     async fn compute(&self, held: &Held) -> Result<Finished, String> {
         let inputs = tokio::select! {
             inputs = checkpoint::fetch(&self.client, held) => inputs.map_err(|e| e.to_string())?,
-            () = self.shutdown.wait() => return Ok(untouched(held)),
+            () = self.shutdown.cancelled() => return Ok(untouched(held)),
         };
         let thread = Arc::clone(&self.thread).acquire_owned().await;
         let thread = thread.map_err(|e| e.to_string())?;
@@ -194,7 +194,7 @@ impl<C: LeaseClient> Slot<C> {
                 finished = &mut running.finished => {
                     break finished.map_err(|_| "the engine thread died".to_owned())?;
                 }
-                () = self.shutdown.wait(), if !stopping => {
+                () = self.shutdown.cancelled(), if !stopping => {
                     stopping = true;
                     held.signals.say(Word::HandBack);
                 }
@@ -202,7 +202,7 @@ impl<C: LeaseClient> Slot<C> {
                     let latest = running.checkpoints.borrow_and_update().clone();
                     let stored = tokio::select! {
                         stored = checkpoint::store(&self.client, held, &latest) => stored,
-                        () = self.shutdown.wait() => Ok(()),
+                        () = self.shutdown.cancelled() => Ok(()),
                     };
                     if let Err(error) = stored {
                         tracing::warn!(error = %error, "checkpoint not stored, the next one may be");

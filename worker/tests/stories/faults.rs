@@ -97,8 +97,6 @@ async fn a_damaged_input_is_tried_twice_and_then_a_fault() {
 async fn a_wrong_token_ends_the_worker_with_the_reason() {
     let server = ScriptedServer::start().await;
     let worker = Worker::with_token(&server, "wrong", instant(), config());
-    let Worker { handle, task } = worker;
-    let error = task.await.expect("no panic").expect_err("refused");
+    let error = worker.end().await.expect_err("refused");
     assert!(format!("{error:#}").contains("401"), "{error:#}");
-    drop(handle);
 }

@@ -21,8 +21,8 @@ use granary_worker::config::Config;
 use granary_worker::execute::Engine;
 use granary_worker::lease_client::http::HttpLeaseClient;
 use granary_worker::lease_loop;
-use granary_worker::shutdown::{self, ShutdownHandle};
 use tokio::task::JoinHandle;
+use tokio_util::sync::CancellationToken;
 
 use crate::scripted_server::ScriptedServer;
 
@@ -31,7 +31,7 @@ const TOKEN: &str = "worker-token";
 
 /// A worker under test.
 struct Worker {
-    handle: ShutdownHandle,
+    shutdown: CancellationToken,
     task: JoinHandle<anyhow::Result<()>>,
 }
 
@@ -42,14 +42,15 @@ impl Worker {
 
     fn with_token(server: &ScriptedServer, token: &str, engine: Engine, config: Config) -> Self {
         let client = HttpLeaseClient::new(&server.address(), Some(token)).expect("valid address");
-        let (handle, shutdown) = shutdown::channel();
-        let task = tokio::spawn(lease_loop::run(client, engine, config, shutdown));
-        Self { handle, task }
+        let shutdown = CancellationToken::new();
+        let run = lease_loop::run(client, engine, config, shutdown.clone());
+        let task = tokio::spawn(run);
+        Self { shutdown, task }
     }
 
     /// Gives the word to stop and waits for the end, 20 seconds at most.
     async fn stop(self) -> anyhow::Result<()> {
-        self.handle.request();
+        self.shutdown.cancel();
         self.end().await
     }
 
