@@ -13,7 +13,7 @@ const EARLY_CAP: Duration = Duration::from_secs(2);
 /// The longest wait after the first minute.
 const LATE_CAP: Duration = Duration::from_secs(30);
 /// How long a server is thought to be restarting rather than away.
-const EARLY: Duration = Duration::from_secs(60);
+const EARLY: Duration = Duration::from_mins(1);
 
 /// The waits of one row of failed tries.
 #[derive(Clone, Copy, Debug)]

@@ -34,7 +34,7 @@ impl Config {
             slots,
             memory_bytes: machine::memory_bytes() / slots as u64,
             poll: Duration::from_secs(25),
-            checkpoint_every: Duration::from_secs(300),
+            checkpoint_every: Duration::from_mins(5),
             grace: Duration::from_secs(15),
             spool: None,
         }

@@ -188,7 +188,7 @@ mod tests {
     #[test]
     fn handing_back_writes_a_checkpoint_and_stops() {
         let signals: Arc<Signals> = Arc::default();
-        let (mut observer, checkpoints) = observer(&signals, Duration::from_secs(3600));
+        let (mut observer, checkpoints) = observer(&signals, Duration::from_hours(1));
         assert!(look(&mut observer).is_continue());
         assert!(checkpoints.borrow().is_empty());
         signals.say(Word::HandBack);
@@ -210,7 +210,7 @@ mod tests {
     fn a_panic_is_a_fault_of_the_machine() {
         let engine: Engine = Arc::new(|_, _| panic!("grain 7 is missing"));
         let signals = Arc::default();
-        let (observer, _checkpoints) = observer(&signals, Duration::from_secs(3600));
+        let (observer, _checkpoints) = observer(&signals, Duration::from_hours(1));
         let specs = inputs();
         assert!(compute(&engine, &specs, observer).results.is_empty());
         let detail = all_failed(2, "x");

@@ -21,7 +21,7 @@ const CONNECT: Duration = Duration::from_secs(5);
 /// The slowest line that artifacts are expected to pass \[bytes/s\].
 const SLOWEST_LINE: u64 = 1 << 20;
 /// The longest that an artifact of unknown size may take.
-const DOWNLOAD: Duration = Duration::from_secs(600);
+const DOWNLOAD: Duration = Duration::from_mins(10);
 
 /// Why a client cannot be made.
 #[derive(Debug, thiserror::Error)]
