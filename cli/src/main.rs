@@ -4,6 +4,8 @@ mod api_client;
 mod direct;
 mod failure;
 mod interrupt;
+#[cfg(test)]
+mod lease_conformance;
 mod log;
 mod output;
 mod progress;
