@@ -4,15 +4,22 @@
 //! It never steps a scene: physics is the workers' business.
 
 mod config;
+mod error;
 pub mod queue;
 pub mod reaper;
+pub mod reduce;
+mod routes;
+mod serve;
 mod store;
 pub mod sweep;
+pub mod table;
 
 use granary_api::sweep::Submitted;
 use serde_json::Value;
 
 pub use config::Config;
+pub use routes::{app, openapi};
+pub use serve::{ServeError, Server, background};
 pub use store::{ArtifactFile, Store, StoreError, Submission};
 
 /// Submits a spec as JSON, the same value that its TOML form converts to; every mistake is in the error, and nothing is queued then.

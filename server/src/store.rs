@@ -4,6 +4,9 @@
 //! Transactions that write begin `immediate`, so none fails half way because another came first.
 
 mod artifact;
+mod completion;
+mod detail;
+mod ending;
 mod error;
 mod event;
 mod intake;
@@ -11,9 +14,12 @@ mod job;
 mod lease;
 mod lock;
 mod pace;
+mod point;
 mod schema;
+mod set;
 mod speed;
 mod sweep;
+mod token;
 mod worker;
 
 use std::sync::Arc;
@@ -44,6 +50,9 @@ struct Inner {
     changed: watch::Sender<u64>,
     lock: lock::DataLock,
     pace: pace::Pace,
+    dots: set::DotsCache,
+    /// Tells this process's count of changes from an earlier one's.
+    opened: i64,
 }
 
 impl Store {
@@ -76,6 +85,8 @@ impl Store {
             changed,
             lock,
             pace: pace::Pace::default(),
+            dots: set::DotsCache::default(),
+            opened: now_ms(),
         };
         Ok(Self {
             inner: Arc::new(inner),

@@ -20,6 +20,7 @@ use serde::Serialize;
 use serde_json::{Map, Value};
 
 pub use axis::Axis;
+pub(crate) use mistakes::nearest as nearest_name;
 use mistakes::{Mistakes, pointer, unknown};
 use reduction::Reduction;
 
@@ -144,6 +145,9 @@ impl Plan {
     }
 
     /// What makes two sweeps the same: everything but the priority, after defaults.
+    ///
+    /// # Panics
+    /// Never: a plan is plain data, and hashing does not fail.
     #[must_use]
     pub fn identity(&self) -> [u8; 32] {
         #[derive(Serialize)]

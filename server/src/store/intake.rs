@@ -125,6 +125,8 @@ async fn insert(
     plan: &Plan,
     identity: &[u8; 32],
 ) -> Result<(i64, uuid::Uuid, u64), StoreError> {
+    const FINISH: &str = "
+        update sweep set warnings = $2, points = (select count(*) from point where sweep = $1) where id = $1";
     let id = SweepId::new();
     let sweep = sweep_add(transaction, plan, id, identity).await?;
     let mut expansion = Expansion::new(plan);
@@ -134,8 +136,6 @@ async fn insert(
     }
     want_all(transaction, sweep, plan.needs_zero()).await?;
     job::job_revive(transaction, sweep).await?;
-    const FINISH: &str = "
-        update sweep set warnings = $2, points = (select count(*) from point where sweep = $1) where id = $1";
     let warnings = json!(expansion.into_warnings()).to_string();
     let finish = sqlx::query(FINISH).bind(sweep).bind(warnings);
     finish.execute(&mut **transaction).await?;

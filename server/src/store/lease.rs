@@ -4,20 +4,17 @@ use std::time::Duration;
 
 use granary_api::id::{JobId, LeaseId};
 use granary_api::lease::{
-    Completion, FailureReport, Heartbeat, HeartbeatReply, JobOutcome, JobProgress, LeaseGrant,
-    LeaseRequest, LeasedJob, Release,
+    Heartbeat, HeartbeatReply, JobOutcome, JobProgress, LeaseGrant, LeaseRequest, LeasedJob,
 };
 use granary_api::problem::Mistake;
-use granary_core::identity::{ArtifactHash, ResultHash};
-use serde_json::json;
+use granary_core::identity::ArtifactHash;
 use tokio::time::Instant;
 
-use super::event::{Wanting, event_add, event_finished, event_point};
-use super::job::{self, Held};
-use super::speed::speed_add;
+use super::event::Wanting;
+use super::job;
 use super::worker::{worker_asks, worker_heard};
 use super::{Store, StoreError, Writing, now_ms};
-use crate::queue::{Ending, Verdict, verdict};
+use crate::queue::{Ending, Verdict};
 
 /// The longest that a request for work may wait.
 const LONGEST_WAIT: Duration = Duration::from_secs(30);
@@ -61,7 +58,7 @@ impl Store {
         let lease = lease_add(&mut transaction, id, request).await?;
         let key = (ensemble, step);
         let first = job::job_take(&mut transaction, lease, key, Some(sweep), lanes).await?;
-        let left = lanes - first as i64;
+        let left = lanes - super::signed(first);
         if left > 0 {
             job::job_take(&mut transaction, lease, key, None, left).await?;
         }
@@ -81,10 +78,10 @@ impl Store {
         id: LeaseId,
         beat: &Heartbeat,
     ) -> Result<HeartbeatReply, StoreError> {
+        const BEAT: &str = "update lease set beat = beat + 1, heard_at = $2 where id = $1";
         self.checkpoints_exist(&beat.jobs).await?;
         let mut transaction = self.begin().await?;
         let lease = lease_row(&mut transaction, id, &beat.jobs).await?;
-        const BEAT: &str = "update lease set beat = beat + 1, heard_at = $2 where id = $1";
         let beaten = sqlx::query(BEAT).bind(lease).bind(now_ms());
         beaten.execute(&mut *transaction).await?;
         worker_heard(&mut transaction, lease, 0).await?;
@@ -107,267 +104,14 @@ impl Store {
         Ok(HeartbeatReply { stop })
     }
 
-    /// Records outcomes, all or none; makes what needs them ready.
-    pub async fn lease_complete(
-        &self,
-        id: LeaseId,
-        completion: &Completion,
-    ) -> Result<(), StoreError> {
-        self.artifacts_exist(&completion.outcomes).await?;
-        let mut transaction = self.begin().await?;
-        let lease = lease_find(&mut transaction, id).await?;
-        let held = match lease {
-            Some(lease) => job::job_held(&mut transaction, lease).await?,
-            None => vec![],
-        };
-        let mut lost = vec![];
-        let mut fresh: Vec<(&JobOutcome, &Held)> = vec![];
-        for outcome in &completion.outcomes {
-            match held.iter().find(|held| held.job == outcome.job) {
-                Some(held) => fresh.push((outcome, held)),
-                None if self.known(&mut transaction, id, outcome).await? => {}
-                None => lost.push(outcome.job),
-            }
-        }
-        if !lost.is_empty() {
-            // Nothing is recorded but what a late answer says about the same stage.
-            self.commit(transaction).await?;
-            return Err(StoreError::LeaseLost(lost));
-        }
-        let Some(lease) = lease else {
-            return Ok(());
-        };
-        let mut wanting = Wanting::new();
-        for (outcome, held) in &fresh {
-            self.record(&mut transaction, id, held, outcome, &mut wanting)
-                .await?;
-        }
-        worker_heard(&mut transaction, lease, fresh.len()).await?;
-        event_finished(&mut transaction, &wanting, self.config().events).await?;
-        lease_close(&mut transaction, lease).await?;
-        self.commit(transaction).await?;
-        let done = fresh
-            .iter()
-            .filter_map(|(_, held)| held.checkpoint)
-            .collect();
-        self.discard(done).await;
-        Ok(())
-    }
-
-    /// Records why jobs cannot be finished; a fault of the machine is tried again a few times.
-    pub async fn lease_fail(&self, id: LeaseId, report: &FailureReport) -> Result<(), StoreError> {
-        let jobs: Vec<JobId> = report.failures.iter().map(|failure| failure.job).collect();
-        let endings = report
-            .failures
-            .iter()
-            .map(|failure| Ending::Failed(failure.failure.clone()));
-        self.lease_end(id, &jobs, endings.collect(), &[]).await
-    }
-
-    /// Takes jobs back untouched, with their latest checkpoints.
-    pub async fn lease_release(&self, id: LeaseId, release: &Release) -> Result<(), StoreError> {
-        self.checkpoints_exist(&release.jobs).await?;
-        let jobs: Vec<JobId> = release.jobs.iter().map(|progress| progress.job).collect();
-        let endings = vec![Ending::Released; jobs.len()];
-        self.lease_end(id, &jobs, endings, &release.jobs).await
-    }
-
-    /// The signs of life counted on every lease.
-    pub async fn lease_beats(&self) -> Result<Vec<(LeaseId, u64)>, StoreError> {
-        const BEATS: &str = "select uuid, beat from lease";
-        let rows: Vec<(uuid::Uuid, i64)> = sqlx::query_as(BEATS).fetch_all(self.readers()).await?;
-        Ok(rows
-            .into_iter()
-            .map(|(id, beat)| (LeaseId(id), beat as u64))
-            .collect())
-    }
-
-    /// Takes back a lease whose count is still `beat`; how many jobs it held.
-    pub async fn lease_reap(&self, id: LeaseId, beat: u64) -> Result<usize, StoreError> {
-        const STALE: &str = "select id from lease where uuid = $1 and beat = $2";
-        let mut transaction = self.begin().await?;
-        let stale: Option<i64> = sqlx::query_scalar(STALE)
-            .bind(id.0)
-            .bind(super::signed(beat))
-            .fetch_optional(&mut *transaction)
-            .await?;
-        let Some(lease) = stale else {
-            return Ok(0);
-        };
-        let held = job::job_held(&mut transaction, lease).await?;
-        let mut wanting = Wanting::new();
-        for held in &held {
-            let lost = self.verdict(&Ending::Lost, held);
-            self.end(&mut transaction, held, &lost, &mut wanting)
-                .await?;
-        }
-        event_finished(&mut transaction, &wanting, self.config().events).await?;
-        lease_close(&mut transaction, lease).await?;
-        self.commit(transaction).await?;
-        Ok(held.len())
-    }
-
-    async fn lease_end(
-        &self,
-        id: LeaseId,
-        jobs: &[JobId],
-        endings: Vec<Ending>,
-        last: &[JobProgress],
-    ) -> Result<(), StoreError> {
-        let mut transaction = self.begin().await?;
-        let Some(lease) = lease_find(&mut transaction, id).await? else {
-            return Err(StoreError::LeaseLost(jobs.to_vec()));
-        };
-        let (_, replaced) = progress(&mut transaction, lease, last).await?;
-        let held = job::job_held(&mut transaction, lease).await?;
-        let strange = jobs
-            .iter()
-            .filter(|job| !held.iter().any(|held| held.job == **job));
-        let lost: Vec<JobId> = strange.copied().collect();
-        if !lost.is_empty() {
-            return Err(StoreError::LeaseLost(lost));
-        }
-        let mut wanting = Wanting::new();
-        for (job, ending) in jobs.iter().zip(&endings) {
-            let found = held.iter().find(|held| held.job == *job);
-            let held = found.expect("strange jobs were refused above");
-            let verdict = self.verdict(ending, held);
-            self.end(&mut transaction, held, &verdict, &mut wanting)
-                .await?;
-        }
-        worker_heard(&mut transaction, lease, 0).await?;
-        event_finished(&mut transaction, &wanting, self.config().events).await?;
-        lease_close(&mut transaction, lease).await?;
-        self.commit(transaction).await?;
-        self.discard(replaced).await;
-        Ok(())
-    }
-
-    fn verdict(&self, ending: &Ending, held: &Held) -> Verdict {
-        let counts = (held.losses, held.faults);
-        verdict(ending, counts, held.wanted, self.config().queue)
-    }
-
-    /// Ends a job's attempt without an outcome; a failure takes with it what needs the job.
-    async fn end(
-        &self,
-        transaction: &mut Writing,
-        held: &Held,
-        verdict: &Verdict,
-        wanting: &mut Wanting,
-    ) -> Result<(), StoreError> {
-        let keep = self.config().events;
-        job::job_end(transaction, held.id, verdict).await?;
-        let detail = verdict
-            .failure
-            .as_ref()
-            .map(|failure| failure.message.clone());
-        attempt_end(transaction, held.id, verdict.ending, detail.as_deref()).await?;
-        let mut data = json!({"state": verdict.state, "job": held.job});
-        if verdict.state.is_final()
-            && let Some(failure) = &verdict.failure
-        {
-            data["failure"] = json!(failure);
-            let dependants = job::job_fail_dependants(transaction, held, &failure.message).await?;
-            data["dependants"] = json!(dependants);
-            if dependants > 0 {
-                event_dependants(transaction, held.id, &data, keep).await?;
-            }
-        }
-        event_point(transaction, held.id, &data, keep, wanting).await
-    }
-
-    /// Writes one outcome: job, attempt, dependants, speed and events.
-    async fn record(
-        &self,
-        transaction: &mut Writing,
-        lease: LeaseId,
-        held: &Held,
-        outcome: &JobOutcome,
-        wanting: &mut Wanting,
-    ) -> Result<(), StoreError> {
-        outcome_add(transaction, lease, held.id, outcome).await?;
-        job::job_done(transaction, held.id).await?;
-        attempt_end(transaction, held.id, "done", None).await?;
-        job::job_unblock(transaction, held.id).await?;
-        let seconds = outcome.provenance.cpu_s / f64::from(outcome.provenance.lanes.max(1));
-        if seconds > 0.0 && held.grain_steps > 0 {
-            speed_add(transaction, &held.class, held.grain_steps as f64 / seconds).await?;
-        }
-        let data = json!({"state": "done", "job": held.job});
-        event_point(transaction, held.id, &data, self.config().events, wanting).await
-    }
-
-    /// Whether this very outcome was recorded under this lease before; notes one that contradicts a recorded outcome.
-    async fn known(
-        &self,
-        transaction: &mut Writing,
-        lease: LeaseId,
-        outcome: &JobOutcome,
-    ) -> Result<bool, StoreError> {
-        const RECORDED: &str = "
-            select j.id, o.lease, o.result_hash,
-                   exists (select 1 from attempt a where a.job = j.id and a.lease = $2)
-              from job j join outcome o on o.job = j.id where j.hash = $1";
-        type Row = (i64, uuid::Uuid, Vec<u8>, bool);
-        let recorded: Option<Row> = sqlx::query_as(RECORDED)
-            .bind(&outcome.job.as_bytes()[..])
-            .bind(lease.0)
-            .fetch_optional(&mut **transaction)
-            .await?;
-        let Some((id, under, hash, attempted)) = recorded else {
-            return Ok(false);
-        };
-        let hash: ResultHash = job::hash(&hash);
-        if attempted && hash != outcome.result_hash {
-            self.diverged(transaction, id, outcome, hash).await?;
-        }
-        Ok(under == lease.0 && hash == outcome.result_hash)
-    }
-
-    /// Notes a second result for a stage that has one: never overwritten, always told.
-    async fn diverged(
-        &self,
-        transaction: &mut Writing,
-        id: i64,
-        outcome: &JobOutcome,
-        recorded: ResultHash,
-    ) -> Result<(), StoreError> {
-        const NOTE: &str = "
-            insert into divergence (job, result_hash, provenance, reported_at) values ($1, $2, $3, $4)
-            on conflict do nothing";
-        let noted = sqlx::query(NOTE)
-            .bind(id)
-            .bind(&outcome.result_hash.as_bytes()[..])
-            .bind(json!(outcome.provenance).to_string())
-            .bind(now_ms())
-            .execute(&mut **transaction)
-            .await?;
-        if noted.rows_affected() == 0 {
-            return Ok(());
-        }
-        tracing::error!(job.id = %outcome.job, recorded = %recorded, reported = %outcome.result_hash, "two results for one stage");
-        const WANTING: &str = "select sweep from want where job = $1";
-        let sweeps: Vec<i64> = sqlx::query_scalar(WANTING)
-            .bind(id)
-            .fetch_all(&mut **transaction)
-            .await?;
-        let data =
-            json!({"job": outcome.job, "recorded": recorded, "reported": outcome.result_hash});
-        for sweep in sweeps {
-            event_add(transaction, sweep, "diverged", &data, self.config().events).await?;
-        }
-        Ok(())
-    }
-
-    async fn checkpoints_exist(&self, jobs: &[JobProgress]) -> Result<(), StoreError> {
+    pub(super) async fn checkpoints_exist(&self, jobs: &[JobProgress]) -> Result<(), StoreError> {
         let hashes = jobs.iter().enumerate();
         let named =
             hashes.filter_map(|(k, job)| Some((format!("/jobs/{k}/checkpoint"), job.checkpoint?)));
         self.all_exist(named.collect()).await
     }
 
-    async fn artifacts_exist(&self, outcomes: &[JobOutcome]) -> Result<(), StoreError> {
+    pub(super) async fn artifacts_exist(&self, outcomes: &[JobOutcome]) -> Result<(), StoreError> {
         let named = outcomes.iter().enumerate().flat_map(|(k, outcome)| {
             let place = move |name| format!("/outcomes/{k}/artifacts/{name}");
             outcome
@@ -394,7 +138,7 @@ impl Store {
     }
 
     /// Removes checkpoints that have been replaced.
-    async fn discard(&self, checkpoints: Vec<ArtifactHash>) {
+    pub(super) async fn discard(&self, checkpoints: Vec<ArtifactHash>) {
         const NAMED: &str = "select exists (select 1 from job where checkpoint = $1)";
         for hash in checkpoints {
             let named = sqlx::query_scalar(NAMED).bind(&hash.as_bytes()[..]);
@@ -452,7 +196,10 @@ async fn lease_add(
     Ok(added.execute(&mut **transaction).await?.last_insert_rowid())
 }
 
-async fn lease_find(transaction: &mut Writing, id: LeaseId) -> Result<Option<i64>, StoreError> {
+pub(super) async fn lease_find(
+    transaction: &mut Writing,
+    id: LeaseId,
+) -> Result<Option<i64>, StoreError> {
     const FIND: &str = "select id from lease where uuid = $1";
     let found = sqlx::query_scalar(FIND).bind(id.0);
     Ok(found.fetch_optional(&mut **transaction).await?)
@@ -468,7 +215,7 @@ async fn lease_row(
 }
 
 /// Forgets a lease that holds no job any more.
-async fn lease_close(transaction: &mut Writing, lease: i64) -> Result<(), StoreError> {
+pub(super) async fn lease_close(transaction: &mut Writing, lease: i64) -> Result<(), StoreError> {
     const CLOSE: &str =
         "delete from lease where id = $1 and not exists (select 1 from job where lease = $1)";
     sqlx::query(CLOSE)
@@ -479,7 +226,7 @@ async fn lease_close(transaction: &mut Writing, lease: i64) -> Result<(), StoreE
 }
 
 /// Notes progress; the jobs that are not under this lease, and the checkpoints that were replaced.
-async fn progress(
+pub(super) async fn progress(
     transaction: &mut Writing,
     lease: i64,
     jobs: &[JobProgress],
@@ -519,7 +266,7 @@ async fn attempts_begin(
     Ok(())
 }
 
-async fn attempt_end(
+pub(super) async fn attempt_end(
     transaction: &mut Writing,
     job: i64,
     ending: &str,
@@ -557,45 +304,4 @@ async fn leased(transaction: &mut Writing, lease: i64) -> Result<Vec<LeasedJob>,
             })
         })
         .collect()
-}
-
-async fn outcome_add(
-    transaction: &mut Writing,
-    lease: LeaseId,
-    job: i64,
-    outcome: &JobOutcome,
-) -> Result<(), StoreError> {
-    const ADD: &str = "
-        insert into outcome (job, lease, results, artifacts, warnings, result_hash, provenance, finished_at)
-        values ($1, $2, $3, $4, $5, $6, $7, $8)";
-    sqlx::query(ADD)
-        .bind(job)
-        .bind(lease.0)
-        .bind(json!(outcome.results).to_string())
-        .bind(json!(outcome.artifacts).to_string())
-        .bind(json!(outcome.warnings).to_string())
-        .bind(&outcome.result_hash.as_bytes()[..])
-        .bind(json!(outcome.provenance).to_string())
-        .bind(now_ms())
-        .execute(&mut **transaction)
-        .await?;
-    Ok(())
-}
-
-/// Tells the sweeps that want what needs `job` that it failed with it: one event each, however many jobs.
-async fn event_dependants(
-    transaction: &mut Writing,
-    job: i64,
-    data: &serde_json::Value,
-    keep: u32,
-) -> Result<(), StoreError> {
-    const WANTING: &str = "select sweep from want where job = $1";
-    let sweeps: Vec<i64> = sqlx::query_scalar(WANTING)
-        .bind(job)
-        .fetch_all(&mut **transaction)
-        .await?;
-    for sweep in sweeps {
-        event_add(transaction, sweep, "point", data, keep).await?;
-    }
-    Ok(())
 }

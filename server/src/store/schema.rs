@@ -11,7 +11,7 @@ const MIGRATIONS: [&str; 1] = [include_str!(
 
 /// Brings the database to the newest schema; refuses one that is newer still.
 pub(super) async fn migrate(writer: &SqlitePool) -> Result<(), StoreError> {
-    let known = MIGRATIONS.len() as i64;
+    let known = super::signed(MIGRATIONS.len() as u64);
     let found: i64 = sqlx::query_scalar("pragma user_version")
         .fetch_one(writer)
         .await?;

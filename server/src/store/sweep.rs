@@ -137,6 +137,19 @@ impl Store {
         })
     }
 
+    /// A text that changes whenever the sweep's tables may have: cheap, and steady once it is finished.
+    pub(crate) async fn sweep_version(&self, sweep: SweepId) -> Result<String, StoreError> {
+        let id = self.sweep_plan(sweep).await?.id;
+        let (_, last) = self.event_range(id).await?;
+        let (open, _) = self.sweep_open(id).await?;
+        let count = *self.inner.changed.borrow();
+        Ok(if open {
+            format!("{id} {last} {count} {:?}", self.inner.opened)
+        } else {
+            format!("{id} {last}")
+        })
+    }
+
     async fn sweep_counts(&self, id: i64) -> Result<PointCounts, StoreError> {
         const COUNTS: &str = "select state, sum(points) from want where sweep = $1 group by state";
         let rows: Vec<(String, i64)> = sqlx::query_as(COUNTS)

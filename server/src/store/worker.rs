@@ -43,7 +43,7 @@ pub(super) async fn worker_heard(
     let heard = sqlx::query(HEARD)
         .bind(lease)
         .bind(now_ms())
-        .bind(done as i64);
+        .bind(signed(done as u64));
     heard.execute(&mut **transaction).await?;
     Ok(())
 }

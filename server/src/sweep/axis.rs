@@ -55,7 +55,7 @@ pub(crate) fn read(
         return Some(Counted { count, axis: None });
     }
     let plain = matches!(value, Value::Array(_));
-    let values = checked(parameter, listed, at, plain, mistakes);
+    let values = checked(parameter, &listed, at, plain, mistakes);
     Some(Counted {
         count,
         axis: values.map(|values| Axis {
@@ -89,7 +89,9 @@ impl Written {
                 let share = k as f64 / (count - 1).max(1) as f64;
                 json!(from + (to - from) * share)
             }
-            Self::Range { from, step, .. } => json!(from + step * k as i64),
+            Self::Range { from, step, .. } => {
+                json!(from + step * i64::try_from(k).unwrap_or(i64::MAX))
+            }
         }
     }
 }
@@ -149,7 +151,7 @@ fn linspace(argument: &Value) -> Result<Written, String> {
     let count = whole(&parts[2])
         .and_then(|n| u64::try_from(n).ok())
         .ok_or_else(wrong)?;
-    if count == 1 && from != to {
+    if count == 1 && from.to_bits() != to.to_bits() {
         return Err(format!("one value cannot be both {from} and {to}"));
     }
     Ok(Written::Linspace { from, to, count })
@@ -189,7 +191,7 @@ fn whole(value: &Value) -> Option<i64> {
 /// The values in canonical form, each allowed and none twice.
 fn checked(
     parameter: &'static Parameter,
-    listed: Written,
+    listed: &Written,
     at: &str,
     plain: bool,
     mistakes: &mut Mistakes,

@@ -213,7 +213,7 @@ fn processing(value: Option<&Value>, at: &str, mistakes: &mut Mistakes) -> Optio
         match Processing::ALL.into_iter().find(|(known, _)| known == name) {
             None => mistakes.add(&place, unknown("processing", name, known())),
             Some((_, p)) if found.contains(&p) => {
-                mistakes.add(&place, format!("{name} is named twice"))
+                mistakes.add(&place, format!("{name} is named twice"));
             }
             Some((_, p)) => found.push(p),
         }
