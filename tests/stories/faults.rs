@@ -72,7 +72,8 @@ fn a_killed_workers_jobs_are_done_by_another() {
 #[test]
 fn a_killed_server_comes_back_to_workers_that_went_on() {
     let sandbox = sandbox();
-    let serve = ["--data", "data", "--workers", "0"];
+    // A lease whose grant dies with the server is nobody's until its term is over.
+    let serve = ["--data", "data", "--workers", "0", "--lease-term", "2"];
     let (mut server, address) = sandbox.serve(&serve);
     let _worker = worker(&sandbox, &address);
     let sweep = submit(&sandbox, &address);
