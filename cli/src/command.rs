@@ -2,7 +2,8 @@
 
 use crate::failure::Done;
 use crate::{
-    demo, models, openapi, replay, results, run, serve, submit, token, watch, worker, workers,
+    bench, demo, models, openapi, replay, results, run, serve, submit, token, watch, worker,
+    workers,
 };
 
 /// What `granary` can be told to do.
@@ -17,6 +18,7 @@ pub(crate) enum Command {
     Results(results::Args),
     Replay(replay::Args),
     Workers(workers::Args),
+    Bench(bench::Args),
     Models(models::Args),
     Openapi(openapi::Args),
     Token(token::Args),
@@ -35,6 +37,7 @@ impl Command {
             Self::Results(args) => results::run(args).await,
             Self::Replay(args) => replay::run(args).await,
             Self::Workers(args) => workers::run(args).await,
+            Self::Bench(args) => bench::run(&args),
             Self::Models(args) => models::run(&args),
             Self::Openapi(args) => openapi::run(&args),
             Self::Token(args) => token::run(args).await,

@@ -15,6 +15,7 @@ mod direct;
 mod lease_conformance;
 mod service;
 
+mod bench;
 mod demo;
 mod models;
 mod openapi;
