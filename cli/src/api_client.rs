@@ -79,7 +79,12 @@ pub(crate) enum ApiClient {
         server: String,
     },
     /// The same routes in this process, without a socket.
-    Local(Router),
+    Local {
+        /// The routes.
+        router: Router,
+        /// A token, if the store asks for one.
+        token: Option<String>,
+    },
 }
 
 impl ApiClient {
@@ -92,7 +97,10 @@ impl ApiClient {
     ) -> Result<Bytes, Failure> {
         let (status, bytes) = match self {
             Self::Remote { http, server } => remote_call(http, server, method, path, body).await?,
-            Self::Local(router) => local_call(router.clone(), method, path, body).await,
+            Self::Local { router, token } => {
+                let request = local_request(method, path, body, token.as_deref());
+                local_call(router.clone(), request).await
+            }
         };
         if (200..300).contains(&status) {
             Ok(bytes)
@@ -203,20 +211,27 @@ async fn remote_call(
     Ok((status, response.bytes().await.map_err(unreachable)?))
 }
 
-async fn local_call(
-    router: Router,
+fn local_request(
     method: Method,
     path: &str,
     body: Option<&Value>,
-) -> (u16, Bytes) {
-    let body = body.map_or_else(Body::empty, |body| Body::from(body.to_string()));
-    let request = Request::builder()
+    token: Option<&str>,
+) -> Request<Body> {
+    let mut request = Request::builder()
         .method(method)
         .uri(format!("/api/v1{path}"))
         .header(header::HOST, "localhost")
-        .header(header::CONTENT_TYPE, "application/json")
+        .header(header::CONTENT_TYPE, "application/json");
+    if let Some(token) = token {
+        request = request.header(header::AUTHORIZATION, format!("Bearer {token}"));
+    }
+    let body = body.map_or_else(Body::empty, |body| Body::from(body.to_string()));
+    request
         .body(body)
-        .expect("paths are made of hashes, ids and escaped text");
+        .expect("paths are made of hashes, ids and escaped text")
+}
+
+async fn local_call(router: Router, request: Request<Body>) -> (u16, Bytes) {
     // The router cannot fail; a body that breaks off reads as an empty one, which no caller accepts.
     let Ok(response) = router.oneshot(request).await;
     let status = response.status().as_u16();

@@ -73,7 +73,7 @@ async fn show(
     exit: bool,
     address: SocketAddr,
 ) -> anyhow::Result<Done> {
-    let client = service.client();
+    let client = service.client().await?;
     let work = async {
         let submitted = client.submit(spec, false).await?;
         submit::announce(&submitted);

@@ -16,6 +16,7 @@ use granary_worker::lease_client::http::HttpLeaseClient;
 use granary_worker::lease_client::{ClientError, LeaseClient};
 use serde_json::json;
 use tokio::net::TcpListener;
+use tokio_util::sync::CancellationToken;
 
 use crate::direct::DirectLeaseClient;
 
@@ -76,7 +77,7 @@ conform!(
 async fn serve(store: &Store) -> HttpLeaseClient {
     let listener = TcpListener::bind(("127.0.0.1", 0)).await.expect("a port");
     let address = listener.local_addr().expect("bound");
-    let app = granary_server::app(store.clone());
+    let app = granary_server::app(store.clone(), CancellationToken::new(), None);
     tokio::spawn(async move { axum::serve(listener, app).await });
     HttpLeaseClient::new(&format!("http://{address}"), None).expect("an address")
 }

@@ -1,70 +1,46 @@
 //! `granary`: sweeps of jammed granular packs, from the command line.
 
 mod api_client;
-mod direct;
 mod failure;
 mod interrupt;
-#[cfg(test)]
-mod lease_conformance;
 mod log;
 mod output;
 mod progress;
 mod published;
-mod service;
 mod spec_file;
 mod table;
 
+mod direct;
+#[cfg(test)]
+mod lease_conformance;
+mod service;
+
+mod bench;
 mod demo;
 mod models;
+mod openapi;
 mod replay;
 mod results;
 mod run;
 mod serve;
 mod submit;
+mod token;
 mod watch;
 mod worker;
+mod workers;
+
+mod command;
 
 use std::process::ExitCode;
 
-use clap::{Parser, Subcommand};
-
-use failure::Done;
+use clap::Parser;
 
 /// Sweeps of jammed granular packs: submit a spec, read a table.
 #[derive(Debug, Parser)]
 #[command(name = "granary", version, about, max_term_width = 100)]
 struct Cli {
     #[command(subcommand)]
-    command: Command,
-}
-
-#[derive(Debug, Subcommand)]
-enum Command {
-    Demo(demo::Args),
-    Run(run::Args),
-    Serve(serve::Args),
-    Worker(worker::Args),
-    Submit(submit::Args),
-    Watch(watch::Args),
-    Results(results::Args),
-    Replay(replay::Args),
-    Models(models::Args),
-}
-
-impl Command {
-    async fn run(self) -> anyhow::Result<Done> {
-        match self {
-            Self::Demo(args) => demo::run(args).await,
-            Self::Run(args) => run::run(args).await,
-            Self::Serve(args) => serve::run(args).await,
-            Self::Worker(args) => worker::run(args).await,
-            Self::Submit(args) => submit::run(args).await,
-            Self::Watch(args) => watch::run(args).await,
-            Self::Results(args) => results::run(args).await,
-            Self::Replay(args) => replay::run(args).await,
-            Self::Models(args) => models::run(&args),
-        }
-    }
+    command: command::Command,
 }
 
 fn main() -> ExitCode {

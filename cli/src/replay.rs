@@ -37,9 +37,9 @@ pub(crate) async fn run(args: Args) -> anyhow::Result<Done> {
         let client = args.server.client()?;
         return replay(&client, &args).await;
     };
-    let holder = format!("granary replay, process {}", std::process::id());
-    let service = Service::open(Config::new(data), &holder).await?;
-    let done = replay(&service.client(), &args).await;
+    let mut service = Service::open(Config::new(data), "granary replay").await?;
+    let client = service.client().await?;
+    let done = replay(&client, &args).await;
     service.stop().await?;
     done
 }

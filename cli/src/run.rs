@@ -39,8 +39,7 @@ pub(crate) struct Args {
 pub(crate) async fn run(args: Args) -> anyhow::Result<Done> {
     log::to_stderr(tracing::Level::WARN);
     let spec = SpecFile::read(&args.spec)?;
-    let holder = format!("granary run, process {}", std::process::id());
-    let mut service = Service::open(Config::new(&args.data), &holder).await?;
+    let mut service = Service::open(Config::new(&args.data), "granary run").await?;
     let done = compute(&mut service, &args, &spec).await;
     let stopped = service.stop().await;
     let done = done?;
@@ -49,7 +48,7 @@ pub(crate) async fn run(args: Args) -> anyhow::Result<Done> {
 }
 
 async fn compute(service: &mut Service, args: &Args, spec: &SpecFile) -> anyhow::Result<Done> {
-    let client = service.client();
+    let client = service.client().await?;
     let submitted = client.submit(spec, false).await?;
     submit::announce(&submitted);
     let Some(sweep) = submitted.sweep else {
@@ -58,10 +57,7 @@ async fn compute(service: &mut Service, args: &Args, spec: &SpecFile) -> anyhow:
     if client.sweep(sweep).await?.state == SweepState::Paused {
         client.steer(sweep, "resume").await?;
     }
-    // Nobody else can hold a lease here: those in the database are of processes that were killed.
-    for (lease, beat) in service.store.lease_beats().await? {
-        service.store.lease_reap(lease, beat).await?;
-    }
+    service.stay_alone().await?;
     service.work(args.threads.unwrap_or_else(all_cores));
     let finished = tokio::select! {
         finished = watch::follow(&client, sweep) => finished?,

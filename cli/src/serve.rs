@@ -2,10 +2,9 @@
 
 use std::net::SocketAddr;
 use std::path::PathBuf;
+use std::time::Duration;
 
-use anyhow::Context;
 use granary_server::Config;
-use tokio::net::TcpListener;
 
 use crate::failure::Done;
 use crate::service::{Service, all_cores};
@@ -41,6 +40,9 @@ pub(crate) struct Args {
         value_delimiter = ','
     )]
     hosts: Vec<String>,
+    /// Seconds without a heartbeat after which a worker's jobs are given to another.
+    #[arg(long, env = "GRANARY_LEASE_TERM_S", value_name = "SECONDS", default_value_t = 30, value_parser = clap::value_parser!(u32).range(1..=3600))]
+    lease_term: u32,
 }
 
 /// Serves until SIGTERM or Ctrl-C.
@@ -49,6 +51,8 @@ pub(crate) async fn run(args: Args) -> anyhow::Result<Done> {
     let config = Config {
         listen: args.listen,
         hosts: args.hosts,
+        lease_term: Duration::from_secs(args.lease_term.into()),
+        heartbeat: Duration::from_secs(args.lease_term.into()) / 3,
         ..Config::new(args.data)
     };
     let (mut service, address) = start(config, args.workers.unwrap_or_else(all_cores)).await?;
@@ -66,20 +70,8 @@ pub(crate) async fn run(args: Args) -> anyhow::Result<Done> {
 /// # Errors
 /// If the directory is held, the port taken, or the address open to others without a token.
 pub(crate) async fn start(config: Config, slots: usize) -> anyhow::Result<(Service, SocketAddr)> {
-    let listen = config.listen;
-    let holder = format!("a server that starts, process {}", std::process::id());
-    let mut service = Service::open(config, &holder).await?;
-    let listener = TcpListener::bind(listen)
-        .await
-        .with_context(|| format!("cannot listen at {listen}"))?;
-    let address = listener.local_addr()?;
-    service.store.lock_announce(&format!("http://{address}"))?;
-    let app = granary_server::app(service.store.clone());
-    let shutdown = service.shutdown.clone();
-    service.spawn(async move {
-        let serve = axum::serve(listener, app).with_graceful_shutdown(shutdown.cancelled_owned());
-        serve.await.context("the server stopped")
-    });
+    let mut service = Service::open(config, "a server that starts").await?;
+    let address = service.listen().await?;
     service.work(slots);
     Ok((service, address))
 }

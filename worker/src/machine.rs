@@ -2,6 +2,7 @@
 
 use std::time::Duration;
 
+use granary_core::lanes::VectorWidth;
 use rustix::time::{ClockId, clock_gettime};
 
 /// Memory taken for granted where the system does not tell \[bytes\].
@@ -39,24 +40,8 @@ pub fn target() -> String {
         "{}-{} {}",
         std::env::consts::ARCH,
         std::env::consts::OS,
-        vector_width()
+        VectorWidth::widest().name()
     )
-}
-
-#[cfg(target_arch = "x86_64")]
-fn vector_width() -> &'static str {
-    if std::arch::is_x86_feature_detected!("avx512f") {
-        "avx512"
-    } else if std::arch::is_x86_feature_detected!("avx2") {
-        "avx2"
-    } else {
-        "portable"
-    }
-}
-
-#[cfg(not(target_arch = "x86_64"))]
-fn vector_width() -> &'static str {
-    "portable"
 }
 
 /// CPU time that the calling thread has used so far.
