@@ -31,7 +31,11 @@ async fn point_and_set_have_the_promised_shapes() {
 /// A set with its numbers to nine digits: sums of rounded terms differ in the last ones between machines.
 fn rounded(set: &Value) -> Value {
     let mut set = set.clone();
-    for number in set["results"].as_object_mut().expect("results").values_mut() {
+    for number in set["results"]
+        .as_object_mut()
+        .expect("results")
+        .values_mut()
+    {
         let text = number.as_f64().map(|number| format!("{number:.9e}"));
         *number = json!(text.and_then(|text| text.parse::<f64>().ok()));
     }
