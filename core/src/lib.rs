@@ -12,10 +12,34 @@
 //! The modules stand in the order in which they may import one another (see ARCHITECTURE.md).
 
 pub mod identity;
+pub mod outcome;
 pub mod parameter;
+
+pub mod lanes;
+pub mod math;
+pub mod random;
+
+pub mod material;
+pub mod shape;
+
+pub mod grains;
+
+pub mod contact;
+pub mod neighbor;
+
+pub mod force;
+pub mod wall;
+
+pub mod scene;
+
+pub mod guard;
+pub mod observable;
+
+pub mod protocol;
 
 pub mod memory;
 
+pub mod bench;
 pub mod stage;
 
 /// The version of the physics: raised whenever the bits of any outcome change.

@@ -2,9 +2,16 @@
 //!
 //! Source: E. Dwight, D. Candela, *Mechanical waveform memory in an athermal random medium*, arXiv:2603.14595 ("the paper").
 
+pub mod cycle;
+pub mod gas;
+pub(crate) mod pack;
 pub mod parameters;
+pub(crate) mod recall;
+pub(crate) mod run;
 pub mod score;
 pub mod spec;
+pub mod state;
+pub(crate) mod train;
 pub mod waveform;
 
 /// Steps of one ramp: a multiple of 255, so that every sample is a step (MEMORY §3).

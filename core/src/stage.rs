@@ -3,16 +3,18 @@
 //! A stage's outcome is a function of its spec alone (and of [`crate::PHYSICS_VERSION`], which its identity holds).
 //! Stages that ask the same packing the same kind of question run side by side, as the lanes of one ensemble.
 
-use std::collections::BTreeMap;
-use std::ops::ControlFlow;
-
 use serde::{Deserialize, Serialize};
 
 use crate::PHYSICS_VERSION;
-use crate::identity::{ArtifactHash, ResultHash, StageId, canonical_json};
+use crate::identity::{StageId, canonical_json};
+use crate::lanes::VectorWidth;
 use crate::memory::spec::{MemoryPoint, PackSpec, Precision, RecallSpec, ShapeName, TrainSpec};
 use crate::memory::waveform::Waveform;
+
+mod choose;
 use crate::memory::{hold_steps, ramp_steps};
+
+pub use crate::outcome::{HISTORY, Outcome, Report, SIGNAL, STATE, StageFailure, Watch};
 
 /// The kinds of stages.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -126,11 +128,10 @@ impl StageSpec {
         }
     }
 
-    /// How much work the stage is; `pack` is the pack that it happens in.
+    /// Time steps; an estimate for `pack`, whose servo ends when the grains rest.
     #[must_use]
-    pub fn work(&self, pack: &PackSpec) -> Work {
-        let grains = u64::from(pack.grains);
-        let steps = match self {
+    pub fn steps(&self) -> u64 {
+        match self {
             Self::Pack(spec) => spec.predicted_steps(),
             Self::Train(spec) => 2 * ramp_steps(spec.ramp, spec.time_step),
             Self::Recall(spec) => {
@@ -138,7 +139,13 @@ impl StageSpec {
                 let hold = hold_steps(spec.hold, ramp);
                 2 * ramp + hold + if spec.second_cycle { 2 * ramp } else { 0 }
             }
-        };
+        }
+    }
+
+    /// How much work the stage is; `pack` is the pack that it happens in.
+    #[must_use]
+    pub fn work(&self, pack: &PackSpec) -> Work {
+        let (grains, steps) = (u64::from(pack.grains), self.steps());
         let spheres = if pack.shape == ShapeName::Sphere {
             1
         } else {
@@ -180,96 +187,6 @@ pub fn stages_of(point: &MemoryPoint) -> [StageSpec; 3] {
     [pack, train, recall]
 }
 
-/// The name of the artifact that later stages start from.
-pub const STATE: &str = "state";
-/// The name of the artifact that holds the raw p_xy of a recall, as JSON of a [`crate::memory::score::Signal`].
-pub const SIGNAL: &str = "signal";
-/// The name of the artifact that holds everything recorded at the samples of a stage, as JSON.
-pub const HISTORY: &str = "history";
-
-/// What a stage yields.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Outcome {
-    /// Scalars by name; `None` where a number has no meaning, with the reason among the warnings.
-    pub results: BTreeMap<String, Option<f64>>,
-    /// Files by name ([`STATE`], [`SIGNAL`], [`HISTORY`]).
-    pub artifacts: BTreeMap<String, Vec<u8>>,
-    /// What a reader of the numbers should know, in full sentences.
-    pub warnings: Vec<String>,
-    /// Time steps taken.
-    pub steps: u64,
-}
-
-/// The part of an outcome that its hash covers.
-#[derive(Serialize)]
-struct HashedOutcome<'a> {
-    results: &'a BTreeMap<String, Option<f64>>,
-    artifacts: BTreeMap<&'a str, ArtifactHash>,
-    warnings: &'a [String],
-    steps: u64,
-}
-
-impl Outcome {
-    /// The hash of all that must be equal wherever the stage runs.
-    #[must_use]
-    pub fn hash(&self) -> ResultHash {
-        let artifacts = self
-            .artifacts
-            .iter()
-            .map(|(name, bytes)| (name.as_str(), ArtifactHash::of_bytes(bytes)));
-        let hashed = HashedOutcome {
-            results: &self.results,
-            artifacts: artifacts.collect(),
-            warnings: &self.warnings,
-            steps: self.steps,
-        };
-        ResultHash::of_bytes(canonical_json(&hashed).as_bytes())
-    }
-}
-
-/// Why a stage has no outcome.
-#[derive(Clone, Debug, PartialEq, thiserror::Error, Serialize, Deserialize)]
-#[serde(tag = "reason", rename_all = "snake_case")]
-pub enum StageFailure {
-    /// The physics broke down: final, and cached like an outcome.
-    #[error("{kind} at step {step}: {detail}; {remedy}")]
-    Stopped {
-        /// `unstable`, `non_finite`, `overlap` or `not_at_rest`.
-        kind: String,
-        /// The step at which it was noticed.
-        step: u64,
-        /// What was seen, with numbers, and at which grain where there is one.
-        detail: String,
-        /// What to change.
-        remedy: String,
-    },
-    /// An input or a checkpoint cannot be read: a fault of the machine, worth a retry.
-    #[error("{detail}")]
-    Input {
-        /// What is wrong with which file.
-        detail: String,
-    },
-    /// The caller asked to stop.
-    #[error("interrupted at step {step}")]
-    Interrupted {
-        /// The step that the run had reached.
-        step: u64,
-    },
-}
-
-/// What a run tells its caller now and then; the answer says whether to go on.
-pub struct Report<'a> {
-    /// Steps done.
-    pub step: u64,
-    /// Steps in all; for `pack` an upper estimate while the servo works.
-    pub steps: u64,
-    /// Writes the complete state of every job of the ensemble, in the order they were given.
-    pub checkpoint: &'a dyn Fn() -> Vec<Vec<u8>>,
-}
-
-/// The caller's side of a run: called about every hundred steps, never between two halves of one.
-pub type Watch<'a> = &'a mut dyn FnMut(&Report<'_>) -> ControlFlow<()>;
-
 /// The jobs of one ensemble.
 pub struct Ensemble<'a> {
     /// Specs with equal [`StageSpec::ensemble_key`], at most [`StageSpec::max_lanes`] of them.
@@ -280,22 +197,35 @@ pub struct Ensemble<'a> {
     pub checkpoints: Option<&'a [Vec<u8>]>,
 }
 
-/// Runs the jobs of one ensemble side by side; one result per job, in the order given.
+/// Runs the jobs of one ensemble side by side, with the widest vectors of this machine; one result per job, in order.
 ///
 /// The result of a job does not depend on the others, on their order, or on where it was interrupted and continued.
 #[must_use]
-pub fn run(ensemble: &Ensemble<'_>, _watch: Watch<'_>) -> Vec<Result<Outcome, StageFailure>> {
-    ensemble
-        .specs
-        .iter()
-        .map(|_| Err(StageFailure::Interrupted { step: 0 }))
-        .collect()
+pub fn run(ensemble: &Ensemble<'_>, watch: Watch<'_>) -> Vec<Result<Outcome, StageFailure>> {
+    run_with(ensemble, VectorWidth::widest(), watch)
+}
+
+/// [`run`] with the vectors of `width`; the results are the same.
+#[must_use]
+pub fn run_with(
+    ensemble: &Ensemble<'_>,
+    width: VectorWidth,
+    watch: Watch<'_>,
+) -> Vec<Result<Outcome, StageFailure>> {
+    choose::run(ensemble, width, watch)
+        .unwrap_or_else(|failure| vec![Err(failure); ensemble.specs.len()])
 }
 
 /// The step at which a checkpoint was taken; `None` if `bytes` are not one of this physics version.
 ///
 /// Jobs can be continued in one ensemble if their checkpoints were taken at the same step.
 #[must_use]
-pub fn checkpoint_step(_bytes: &[u8]) -> Option<u64> {
-    None
+pub fn checkpoint_step(bytes: &[u8]) -> Option<u64> {
+    #[derive(Deserialize)]
+    struct Step {
+        step: u64,
+    }
+    crate::memory::state::read_header::<Step>(bytes)
+        .ok()
+        .map(|header| header.step)
 }

@@ -1,0 +1,23 @@
+//! Perfectly smooth grains: no force, no memory.
+
+use super::{Contact, TangentialLaw};
+use crate::lanes::Lane;
+use crate::math::Vec3;
+
+/// No tangential force.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Frictionless;
+
+impl TangentialLaw for Frictionless {
+    type History<T: Copy> = [T; 0];
+    type Constants<L: Lane> = ();
+    const TANGENTIAL: bool = false;
+
+    #[inline(always)]
+    fn constants<L: Lane>(&self) {}
+
+    #[inline(always)]
+    fn force<L: Lane>((): &(), _contact: &Contact<L>, _history: &mut [L; 0]) -> Vec3<L> {
+        Vec3::zero()
+    }
+}

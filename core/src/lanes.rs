@@ -1,0 +1,220 @@
+//! Lanes: K replicas side by side, the number type that every kernel is written in.
+//!
+//! A [`Row`] is K numbers in memory; a [`Lane`] is the same K numbers in registers.
+//! Kernels are generic over `Lane`; [`dispatch`] runs one with the widest vectors that the machine has.
+//! Every path gives the same bits: operations are IEEE 754 and element-wise, and a product-sum is fused exactly where the
+//! source says [`Lane::mul_add`] or [`Lane::neg_mul_add`].
+
+use std::fmt::Debug;
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+#[cfg(target_arch = "x86_64")]
+mod avx2;
+#[cfg(target_arch = "x86_64")]
+mod avx512;
+mod portable;
+
+pub use portable::{F32x8, F32x16, F64x1, F64x8};
+
+/// f32 or f64.
+pub trait Scalar: Copy + Debug + Default + PartialOrd + Send + Sync + 'static {
+    /// Rounds to this type.
+    fn from_f64(value: f64) -> Self;
+    /// Widens, exactly.
+    fn to_f64(self) -> f64;
+}
+
+impl Scalar for f64 {
+    #[inline(always)]
+    fn from_f64(value: f64) -> Self {
+        value
+    }
+
+    #[inline(always)]
+    fn to_f64(self) -> f64 {
+        self
+    }
+}
+
+impl Scalar for f32 {
+    #[inline(always)]
+    fn from_f64(value: f64) -> Self {
+        value as Self
+    }
+
+    #[inline(always)]
+    fn to_f64(self) -> f64 {
+        f64::from(self)
+    }
+}
+
+/// K numbers in memory, one per replica, aligned for whole-vector loads.
+pub trait Row: Lane<Row = Self> + Default + Debug + Send + Sync + 'static {
+    /// The same numbers in AVX2 registers.
+    type Avx2: Lane<Row = Self, Scalar = Self::Scalar>;
+    /// The same numbers in AVX-512 registers.
+    type Avx512: Lane<Row = Self, Scalar = Self::Scalar>;
+
+    /// The K numbers.
+    fn lanes(&self) -> &[Self::Scalar];
+
+    /// The K numbers, to be changed.
+    fn lanes_mut(&mut self) -> &mut [Self::Scalar];
+}
+
+/// Which of K replicas.
+pub trait Mask: Copy {
+    /// Whether any replica is meant.
+    fn any(self) -> bool;
+
+    /// The replicas that both name.
+    #[must_use]
+    fn and(self, other: Self) -> Self;
+}
+
+/// K numbers in registers.
+pub trait Lane:
+    Copy
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+{
+    /// The type of one number.
+    type Scalar: Scalar;
+    /// The same numbers in memory.
+    type Row: Row<Scalar = Self::Scalar>;
+    /// One truth value per replica.
+    type Mask: Mask;
+    /// The number of replicas.
+    const K: usize;
+
+    /// The same number in every replica.
+    fn splat(value: Self::Scalar) -> Self;
+
+    /// Reads K numbers.
+    fn load(row: &Self::Row) -> Self;
+
+    /// Writes K numbers.
+    fn store(self, row: &mut Self::Row);
+
+    /// `self * factor + addend`, rounded once.
+    #[must_use]
+    fn mul_add(self, factor: Self, addend: Self) -> Self;
+
+    /// `addend - self * factor`, rounded once.
+    #[must_use]
+    fn neg_mul_add(self, factor: Self, addend: Self) -> Self;
+
+    /// The correctly rounded square root.
+    #[must_use]
+    fn sqrt(self) -> Self;
+
+    /// `self` where it is greater than `other`, else `other` (also where either is NaN).
+    #[must_use]
+    fn max(self, other: Self) -> Self;
+
+    /// Where `self < other`; nowhere that either is NaN.
+    fn lt(self, other: Self) -> Self::Mask;
+
+    /// `self` where `mask`, else `other`.
+    #[must_use]
+    fn select(self, mask: Self::Mask, other: Self) -> Self;
+
+    /// `self` where `mask`, else +0.
+    #[must_use]
+    fn keep(self, mask: Self::Mask) -> Self;
+
+    /// A constant of the physics in every replica.
+    #[inline(always)]
+    #[must_use]
+    fn constant(value: f64) -> Self {
+        Self::splat(Self::Scalar::from_f64(value))
+    }
+}
+
+/// Work that is written once for all lane types of one row type.
+///
+/// `run` and all that it calls must be `#[inline(always)]`, so that it is compiled with the caller's vector instructions.
+pub trait Kernel<R: Row> {
+    /// What it returns.
+    type Output;
+
+    /// Does the work with the lane type `L`.
+    fn run<L: Lane<Row = R, Scalar = R::Scalar>>(self) -> Self::Output;
+}
+
+/// The vector instructions to use: never more than the machine has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct VectorWidth(Width);
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Width {
+    Portable,
+    #[cfg(target_arch = "x86_64")]
+    Avx2,
+    #[cfg(target_arch = "x86_64")]
+    Avx512,
+}
+
+impl VectorWidth {
+    /// No vector instructions beyond what the program was compiled for.
+    pub const PORTABLE: Self = Self(Width::Portable);
+
+    /// Every width that this machine has, narrowest first.
+    #[must_use]
+    pub fn available() -> Vec<Self> {
+        #[cfg_attr(
+            not(target_arch = "x86_64"),
+            expect(unused_mut, reason = "only x86-64 has more than one")
+        )]
+        let mut widths = vec![Self::PORTABLE];
+        #[cfg(target_arch = "x86_64")]
+        {
+            if is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") {
+                widths.push(Self(Width::Avx2));
+                if is_x86_feature_detected!("avx512f")
+                    && is_x86_feature_detected!("avx512dq")
+                    && is_x86_feature_detected!("avx512vl")
+                {
+                    widths.push(Self(Width::Avx512));
+                }
+            }
+        }
+        widths
+    }
+
+    /// The widest that this machine has.
+    #[must_use]
+    pub fn widest() -> Self {
+        *Self::available().last().unwrap_or(&Self::PORTABLE)
+    }
+
+    /// `portable`, `avx2` or `avx512`.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self.0 {
+            Width::Portable => "portable",
+            #[cfg(target_arch = "x86_64")]
+            Width::Avx2 => "avx2",
+            #[cfg(target_arch = "x86_64")]
+            Width::Avx512 => "avx512",
+        }
+    }
+}
+
+/// Runs `kernel` with the lane type of `width`.
+#[inline]
+pub fn dispatch<R: Row, T: Kernel<R>>(width: VectorWidth, kernel: T) -> T::Output {
+    match width.0 {
+        Width::Portable => kernel.run::<R>(),
+        #[cfg(target_arch = "x86_64")]
+        Width::Avx2 => avx2::enter::<R, T>(kernel),
+        #[cfg(target_arch = "x86_64")]
+        Width::Avx512 => avx512::enter::<R, T>(kernel),
+    }
+}
+
+#[cfg(test)]
+mod tests;

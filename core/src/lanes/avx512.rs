@@ -1,0 +1,167 @@
+//! Lanes in AVX-512 registers.
+//!
+//! Everything here is `#[inline(always)]` and reached only through [`enter`].
+
+use core::arch::x86_64::*;
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+use super::{Kernel, Lane, Mask, Row};
+
+/// Runs `kernel` compiled for these instructions.
+pub(super) fn enter<R: Row, T: Kernel<R>>(kernel: T) -> T::Output {
+    #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx2,fma")]
+    fn inside<R: Row, T: Kernel<R>>(kernel: T) -> T::Output {
+        kernel.run::<R::Avx512>()
+    }
+    #[expect(
+        unsafe_code,
+        reason = "`VectorWidth` holds this width only after the machine was seen to have it"
+    )]
+    unsafe {
+        inside::<R, T>(kernel)
+    }
+}
+
+/// One truth value per replica, in a mask register.
+#[derive(Clone, Copy)]
+pub struct Bits<M>(M);
+
+impl Mask for Bits<__mmask8> {
+    #[inline(always)]
+    fn any(self) -> bool {
+        self.0 != 0
+    }
+
+    #[inline(always)]
+    fn and(self, other: Self) -> Self {
+        Self(self.0 & other.0)
+    }
+}
+
+impl Mask for Bits<__mmask16> {
+    #[inline(always)]
+    fn any(self) -> bool {
+        self.0 != 0
+    }
+
+    #[inline(always)]
+    fn and(self, other: Self) -> Self {
+        Self(self.0 & other.0)
+    }
+}
+
+macro_rules! op {
+    ($(#[$doc:meta])* $trait:ident, $method:ident, $name:ident, $intrinsic:ident) => {
+        impl $trait for $name {
+            type Output = Self;
+
+            #[inline(always)]
+            fn $method(self, other: Self) -> Self {
+                #[expect(unsafe_code, reason = "only reached through `enter`")]
+                unsafe {
+                    Self($intrinsic(self.0, other.0))
+                }
+            }
+        }
+    };
+}
+
+macro_rules! avx512 {
+    (
+        $(#[$doc:meta])*
+        $name:ident, $scalar:ty, $k:literal, $vector:ty, $mask:ty,
+        $add:ident $sub:ident $mul:ident $div:ident $set1:ident $load:ident $store:ident $fmadd:ident $fnmadd:ident
+        $sqrt:ident $max:ident $cmp:ident $blend:ident $maskz:ident
+    ) => {
+        $(#[$doc])*
+        #[derive(Clone, Copy)]
+        pub struct $name($vector);
+
+        op!(Add, add, $name, $add);
+        op!(Sub, sub, $name, $sub);
+        op!(Mul, mul, $name, $mul);
+        op!(Div, div, $name, $div);
+
+        impl Neg for $name {
+            type Output = Self;
+
+            #[inline(always)]
+            fn neg(self) -> Self {
+                // −0 − x would lose the sign of zero; a product with −1 does not.
+                self * Self::splat(-1.0)
+            }
+        }
+
+        #[expect(unsafe_code, reason = "only reached through `enter`; rows are aligned to a whole vector")]
+        impl Lane for $name {
+            type Scalar = $scalar;
+            type Row = super::portable::$name;
+            type Mask = Bits<$mask>;
+            const K: usize = $k;
+
+            #[inline(always)]
+            fn splat(value: $scalar) -> Self {
+                unsafe { Self($set1(value)) }
+            }
+
+            #[inline(always)]
+            fn load(row: &Self::Row) -> Self {
+                unsafe { Self($load(row.0.as_ptr())) }
+            }
+
+            #[inline(always)]
+            fn store(self, row: &mut Self::Row) {
+                unsafe { $store(row.0.as_mut_ptr(), self.0) }
+            }
+
+            #[inline(always)]
+            fn mul_add(self, factor: Self, addend: Self) -> Self {
+                unsafe { Self($fmadd(self.0, factor.0, addend.0)) }
+            }
+
+            #[inline(always)]
+            fn neg_mul_add(self, factor: Self, addend: Self) -> Self {
+                unsafe { Self($fnmadd(self.0, factor.0, addend.0)) }
+            }
+
+            #[inline(always)]
+            fn sqrt(self) -> Self {
+                unsafe { Self($sqrt(self.0)) }
+            }
+
+            #[inline(always)]
+            fn max(self, other: Self) -> Self {
+                unsafe { Self($max(self.0, other.0)) }
+            }
+
+            #[inline(always)]
+            fn lt(self, other: Self) -> Self::Mask {
+                unsafe { Bits($cmp::<_CMP_LT_OQ>(self.0, other.0)) }
+            }
+
+            #[inline(always)]
+            fn select(self, mask: Self::Mask, other: Self) -> Self {
+                unsafe { Self($blend(mask.0, other.0, self.0)) }
+            }
+
+            #[inline(always)]
+            fn keep(self, mask: Self::Mask) -> Self {
+                unsafe { Self($maskz(mask.0, self.0)) }
+            }
+        }
+    };
+}
+
+avx512! {
+    /// Eight replicas in double precision.
+    F64x8, f64, 8, __m512d, __mmask8,
+    _mm512_add_pd _mm512_sub_pd _mm512_mul_pd _mm512_div_pd _mm512_set1_pd _mm512_load_pd _mm512_store_pd _mm512_fmadd_pd
+    _mm512_fnmadd_pd _mm512_sqrt_pd _mm512_max_pd _mm512_cmp_pd_mask _mm512_mask_blend_pd _mm512_maskz_mov_pd
+}
+
+avx512! {
+    /// Sixteen replicas in single precision.
+    F32x16, f32, 16, __m512, __mmask16,
+    _mm512_add_ps _mm512_sub_ps _mm512_mul_ps _mm512_div_ps _mm512_set1_ps _mm512_load_ps _mm512_store_ps _mm512_fmadd_ps
+    _mm512_fnmadd_ps _mm512_sqrt_ps _mm512_max_ps _mm512_cmp_ps_mask _mm512_mask_blend_ps _mm512_maskz_mov_ps
+}

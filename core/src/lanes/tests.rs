@@ -1,0 +1,121 @@
+use super::*;
+
+/// Applies every operation to rows that hold signed zeros, infinities, NaN and ordinary numbers.
+struct Everything<'a, R: Row> {
+    a: &'a R,
+    b: &'a R,
+    c: &'a R,
+}
+
+impl<R: Row> Kernel<R> for Everything<'_, R> {
+    type Output = Vec<R>;
+
+    #[inline(always)]
+    fn run<L: Lane<Row = R, Scalar = R::Scalar>>(self) -> Vec<R> {
+        let (a, b, c) = (L::load(self.a), L::load(self.b), L::load(self.c));
+        let less = a.lt(b);
+        let both = less.and(c.lt(b));
+        let results = [
+            a + b,
+            a - b,
+            a * b,
+            a / b,
+            -a,
+            a.mul_add(b, c),
+            a.neg_mul_add(b, c),
+            a.sqrt(),
+            a.max(b),
+            a.select(less, b),
+            c.keep(both),
+            L::constant(0.1),
+            if less.any() { a } else { b },
+        ];
+        results
+            .into_iter()
+            .map(|result| {
+                let mut row = R::default();
+                result.store(&mut row);
+                row
+            })
+            .collect()
+    }
+}
+
+fn rows<R: Row>(shift: usize) -> R {
+    const NUMBERS: [f64; 9] = [
+        0.0,
+        -0.0,
+        1.0,
+        -1.5,
+        1e-20,
+        3e7,
+        f64::INFINITY,
+        f64::NAN,
+        std::f64::consts::PI,
+    ];
+    let mut row = R::default();
+    for (k, lane) in row.lanes_mut().iter_mut().enumerate() {
+        *lane = R::Scalar::from_f64(NUMBERS[(k * (shift + 1) + shift) % NUMBERS.len()]);
+    }
+    row
+}
+
+/// Bits as text, every NaN alike: its sign and payload are the maker's choice.
+fn bits<R: Row>(rows: &[R]) -> Vec<String> {
+    let text = |x: f64| {
+        if x.is_nan() {
+            "NaN".to_owned()
+        } else {
+            format!("{:016x}", x.to_bits())
+        }
+    };
+    rows.iter()
+        .flat_map(|row| row.lanes().iter().map(|lane| text(lane.to_f64())))
+        .collect()
+}
+
+fn all_widths_agree<R: Row>() {
+    for shift in 0..9 {
+        let (a, b, c) = (rows::<R>(shift), rows::<R>(shift + 3), rows::<R>(shift + 5));
+        let expected = bits(&dispatch(
+            VectorWidth::PORTABLE,
+            Everything {
+                a: &a,
+                b: &b,
+                c: &c,
+            },
+        ));
+        for width in VectorWidth::available() {
+            let found = bits(&dispatch(
+                width,
+                Everything {
+                    a: &a,
+                    b: &b,
+                    c: &c,
+                },
+            ));
+            assert_eq!(
+                found,
+                expected,
+                "{} {}",
+                width.name(),
+                std::any::type_name::<R>()
+            );
+        }
+    }
+}
+
+#[test]
+fn every_width_gives_the_same_bits() {
+    all_widths_agree::<F64x1>();
+    all_widths_agree::<F64x8>();
+    all_widths_agree::<F32x8>();
+    all_widths_agree::<F32x16>();
+}
+
+#[test]
+fn rows_are_aligned_to_whole_vectors() {
+    assert_eq!(std::mem::align_of::<F64x8>(), 64);
+    assert_eq!(std::mem::size_of::<F32x16>(), 64);
+    assert_eq!(std::mem::size_of::<F64x1>(), 8);
+}

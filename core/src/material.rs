@@ -1,0 +1,76 @@
+//! Materials: Hertz stiffness and damping in the engine's units (R = ρ = E = 1).
+
+/// The elastic constants of one grain material against itself and against rigid walls.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Material {
+    /// k_n \[E R^½\]: f = k_n p^(3/2) between two spheres of radius R (Eq. 3).
+    pub normal_stiffness: f64,
+    /// γ_n \[E R^½ t_c\]: f = γ_n √p ṗ (Eq. 3).
+    pub normal_damping: f64,
+    /// k_w \[E R^½\]: the same for a sphere at a flat rigid wall.
+    pub wall_stiffness: f64,
+    /// γ_w \[E R^½ t_c\].
+    pub wall_damping: f64,
+}
+
+impl Material {
+    /// A material from Poisson's ratio, γ_n/k_n \[t_c\] and k_w/k_n.
+    #[must_use]
+    pub fn new(poisson_ratio: f64, normal_damping: f64, wall_stiffness: f64) -> Self {
+        // 2^(−3/2) (4/3)/(1 − ν²): Hertz with R_eff = R/2 and E_eff = E/(2(1 − ν²)).
+        let k_n = std::f64::consts::FRAC_1_SQRT_2 * 0.5 * (4.0 / 3.0)
+            / (1.0 - poisson_ratio * poisson_ratio);
+        let k_w = wall_stiffness * k_n;
+        Self {
+            normal_stiffness: k_n,
+            normal_damping: normal_damping * k_n,
+            wall_stiffness: k_w,
+            wall_damping: normal_damping * k_w,
+        }
+    }
+}
+
+/// The scales that turn the engine's units into SI.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Units {
+    /// R \[m\].
+    pub length: f64,
+    /// E \[Pa\].
+    pub pressure: f64,
+    /// t_c = R √(ρ/E) \[s\].
+    pub time: f64,
+}
+
+impl Units {
+    /// From R \[m\], ρ \[kg/m³\] and E \[Pa\].
+    #[must_use]
+    pub fn new(radius: f64, density: f64, youngs_modulus: f64) -> Self {
+        Self {
+            length: radius,
+            pressure: youngs_modulus,
+            time: radius * (density / youngs_modulus).sqrt(),
+        }
+    }
+
+    /// A stiffness \[N/m\] in units of E R.
+    #[must_use]
+    pub fn stiffness_from_si(&self, stiffness: f64) -> f64 {
+        stiffness / (self.pressure * self.length)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn stiffness_is_the_papers_for_silicone_rubber() {
+        // The peers' scripts print k_n = 1.3870e5 N m^(−3/2) for R = 0.5 mm, E = 10 MPa, ν = 0.49.
+        let units = Units::new(0.5e-3, 1200.0, 1e7);
+        let si = Material::new(0.49, 0.23, 2f64.powf(1.5)).normal_stiffness
+            * units.pressure
+            * units.length.sqrt();
+        assert!((si - 138_714.640_530_261_85).abs() < 1e-6, "{si}");
+        assert!((units.time - 5.4772e-6).abs() < 1e-10);
+    }
+}

@@ -1,0 +1,427 @@
+//! The stage `pack`: gas, servo, and two frictionless compression cycles (Sec. II.2).
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use super::cycle::{Cycle, Drive, REPORT_EVERY, Segment, Track};
+use super::gas::{self, Lattice};
+use super::ramp_steps;
+use super::run::{self, Progress};
+use super::spec::{PackSpec, ShapeName};
+use super::state::{Checkpoint, Past};
+use crate::contact::frictionless::Frictionless;
+use crate::grains::{Grains, Motion, Pose, spatial_order};
+use crate::guard::{Guard, Stop};
+use crate::lanes::{F64x1, VectorWidth};
+use crate::material::Material;
+use crate::math::plain;
+use crate::observable::critical_time_step::{Across, critical_time_step};
+use crate::observable::{Observation, observe};
+use crate::outcome::{Outcome, STATE, StageFailure};
+use crate::protocol::{Box2, Servo};
+use crate::scene::{Laws, Scene, With};
+use crate::shape::{Body, Shape};
+use crate::wall::{WALLS, Walls};
+
+/// The physics of preparation.
+type Smooth<S> = With<S, Frictionless, ()>;
+
+/// Lists reach far while grains fly, and less far once they are packed; no result depends on it \[R\].
+const SKINS: [f64; 3] = [1.0, 0.3, 0.1];
+
+/// How fast the servo's wall may advance \[R/t_c\].
+const SERVO_SPEED: f64 = 0.01;
+
+/// How long the servo may take \[t_c\]: ten times what packs need (MEMORY §3).
+const SERVO_TIME: f64 = 250_000.0;
+
+/// How close the servo must be to its pressure.
+const SETTLED: f64 = 0.01;
+
+/// Where a preparation is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum Phase {
+    Gas,
+    Servo,
+    Cycles,
+}
+
+/// What a checkpoint of a preparation remembers besides the grains.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct Header {
+    stage: String,
+    step: u64,
+    phase: Phase,
+    phase_step: u64,
+    servo: Servo,
+    servo_steps: u64,
+    walls: [f64; WALLS],
+    critical_at_start: f64,
+    track: Track,
+}
+
+/// A preparation between two steps.
+struct Preparation<'a, S: Shape> {
+    spec: &'a PackSpec,
+    stage: String,
+    scene: Scene<F64x1, Smooth<S>>,
+    phase: Phase,
+    phase_step: u64,
+    servo: Servo,
+    servo_steps: u64,
+}
+
+/// The laws of preparation.
+fn laws<S: Shape>(spec: &PackSpec, width: VectorWidth) -> Laws<Smooth<S>> {
+    Laws {
+        body: body(spec),
+        material: material(spec),
+        tangential: Frictionless,
+        body_force: (),
+        time_step: spec.preparation_time_step,
+        skin: SKINS[0],
+        width,
+    }
+}
+
+/// The rigid body of a pack's grains.
+pub(super) fn body(spec: &PackSpec) -> Body {
+    match spec.shape {
+        ShapeName::Sphere => Body::sphere(),
+        ShapeName::Tetrahedron => Body::tetrahedron(spec.overlap),
+    }
+}
+
+/// The material of a pack's grains.
+pub(super) fn material(spec: &PackSpec) -> Material {
+    Material::new(spec.poisson_ratio, spec.normal_damping, spec.wall_stiffness)
+}
+
+/// Prepares a pack from its spec, or goes on from a checkpoint.
+pub(crate) fn run<S: Shape>(
+    spec: &PackSpec,
+    stage: &str,
+    checkpoint: Option<&[u8]>,
+    width: VectorWidth,
+    progress: &mut Progress<'_>,
+) -> Result<Outcome, StageFailure> {
+    let mut saved = match checkpoint {
+        Some(bytes) => Some(read::<S>(spec, stage, bytes, width)?),
+        None => None,
+    };
+    let mut preparation = match saved.take() {
+        Some(Saved::Free(preparation)) => preparation,
+        Some(Saved::Cycling(drive, servo_steps)) => {
+            return cycles(spec, stage, drive, servo_steps, progress);
+        }
+        None => begin(spec, stage, width),
+    };
+    preparation.gas(progress)?;
+    preparation.settle(progress)?;
+    let servo_steps = preparation.servo_steps;
+    let drive = preparation.packed(width)?;
+    cycles(spec, stage, drive, servo_steps, progress)
+}
+
+/// What a checkpoint holds.
+enum Saved<'a, S: Shape> {
+    Free(Preparation<'a, S>),
+    Cycling(Box<Drive<F64x1, Smooth<S>>>, u64),
+}
+
+fn begin<'a, S: Shape>(spec: &'a PackSpec, stage: &str, width: VectorWidth) -> Preparation<'a, S> {
+    let laws = laws::<S>(spec, width);
+    let lattice = Lattice::new(spec.grains, &laws.body);
+    let (poses, motions) = gas::start(spec, &laws.body, &lattice);
+    let scene = lone_scene(laws, poses, &motions, lattice.walls());
+    Preparation {
+        spec,
+        stage: stage.to_owned(),
+        scene,
+        phase: Phase::Gas,
+        phase_step: 0,
+        servo: Servo::new(spec.servo_pressure, SERVO_SPEED),
+        servo_steps: 0,
+    }
+}
+
+fn lone_scene<S: Shape>(
+    laws: Laws<Smooth<S>>,
+    poses: Vec<Pose>,
+    motions: &[Motion],
+    walls: [f64; WALLS],
+) -> Scene<F64x1, Smooth<S>> {
+    let mut grains = Grains::at_rest(poses, &laws.body, S::SPHERES > 1);
+    for (i, &motion) in motions.iter().enumerate() {
+        grains.set_motion(i, 0, motion);
+    }
+    Scene::new(laws, grains, Walls::at_rest(walls))
+}
+
+impl<S: Shape> Preparation<'_, S> {
+    /// Steps since the gas began.
+    fn step(&self) -> u64 {
+        let gas = self.gas_steps();
+        match self.phase {
+            Phase::Gas => self.phase_step,
+            Phase::Servo | Phase::Cycles => gas + self.phase_step,
+        }
+    }
+
+    fn gas_steps(&self) -> u64 {
+        (self.spec.gas_time / self.spec.preparation_time_step).ceil() as u64
+    }
+
+    /// Mixes the gas in its fixed box.
+    fn gas(&mut self, progress: &mut Progress<'_>) -> Result<(), StageFailure> {
+        while self.phase == Phase::Gas {
+            if self.phase_step >= self.gas_steps() {
+                (self.phase, self.phase_step) = (Phase::Servo, 0);
+                self.scene.set_skin(SKINS[1]);
+                break;
+            }
+            self.look(progress)?;
+            self.scene.step();
+            self.phase_step += 1;
+        }
+        Ok(())
+    }
+
+    /// Lets the +z wall press until the grains are at rest under it.
+    fn settle(&mut self, progress: &mut Progress<'_>) -> Result<(), StageFailure> {
+        while self.phase == Phase::Servo {
+            if let Some(seen) = self.look(progress)? {
+                if seen.kinetic_energy < self.spec.rest_kinetic_energy
+                    && self.servo.is_settled(SETTLED)
+                {
+                    self.servo_steps = self.phase_step;
+                    break;
+                }
+                self.give_up(&seen)?;
+            }
+            self.servo.advance(&mut self.scene);
+            self.scene.step();
+            self.servo.feel(&self.scene);
+            self.phase_step += 1;
+        }
+        Ok(())
+    }
+
+    /// Every hundred steps: asks the caller, observes and guards.
+    fn look(&self, progress: &mut Progress<'_>) -> Result<Option<Observation>, StageFailure> {
+        if !self.phase_step.is_multiple_of(REPORT_EVERY) {
+            return Ok(None);
+        }
+        progress.ask(self.step(), &|| vec![self.checkpoint()])?;
+        let seen = observe(&self.scene)[0];
+        let guard = Guard {
+            critical_at_start: f64::MAX,
+        };
+        match guard.judge(self.scene.laws.time_step, &seen, None) {
+            Ok(()) => Ok(Some(seen)),
+            Err(stop) => Err(run::stopped(self.step(), self.blamed(stop))),
+        }
+    }
+
+    /// Whether the time step is to blame is seen from the contacts, if there are any numbers left to see.
+    fn blamed(&self, stop: Stop) -> Stop {
+        let time_step = self.scene.laws.time_step;
+        let critical = critical_time_step(&self.scene, 0, Across::default());
+        // A time step as long as the slowest vibration of a lightly pressed contact cannot be stable either.
+        if time_step >= critical || time_step > 2.5 {
+            Stop::unstable(time_step, critical.min(2.5))
+        } else {
+            stop
+        }
+    }
+
+    fn give_up(&self, seen: &Observation) -> Result<(), StageFailure> {
+        if self.phase_step as f64 * self.spec.preparation_time_step < SERVO_TIME {
+            return Ok(());
+        }
+        let stop = Stop {
+            kind: "not_at_rest",
+            detail: format!(
+                "after {SERVO_TIME} t_c under the servo the kinetic energy per grain is {:.1e} E R³ and the pressure \
+                 {:.3} of its target",
+                seen.kinetic_energy,
+                self.servo.smoothed / self.servo.target
+            ),
+            remedy: "use a larger rest_kinetic_energy, a smaller preparation_time_step or another packing_seed".to_owned(),
+        };
+        Err(run::stopped(self.step(), stop))
+    }
+
+    /// The packed grains, renumbered by place, at the start of the cycles.
+    fn packed(self, width: VectorWidth) -> Result<Box<Drive<F64x1, Smooth<S>>>, StageFailure> {
+        let walls: [f64; WALLS] = std::array::from_fn(|w| self.scene.walls.position(w, 0));
+        // The middle of the box is the origin again, about which it will be compressed.
+        let middle = [0.0, 0.0, 0.5 * (walls[4] + walls[5])];
+        let half = 0.5 * (walls[5] - walls[4]);
+        let walls = [walls[0], walls[1], walls[2], walls[3], -half, half];
+        let grains = &self.scene.grains;
+        let poses: Vec<Pose> = (0..grains.len())
+            .map(|i| grains.pose(i, 0))
+            .map(|pose| Pose {
+                position: plain::sub(pose.position, middle),
+                ..pose
+            })
+            .collect();
+        let order = spatial_order(&poses);
+        let motions: Vec<Motion> = order.iter().map(|&i| grains.motion(i, 0)).collect();
+        let poses = order.iter().map(|&i| poses[i]).collect();
+        let mut laws = laws::<S>(self.spec, width);
+        laws.skin = SKINS[2];
+        let scene = lone_scene(laws, poses, &motions, walls);
+        let critical = critical_time_step(&scene, 0, Across::default());
+        let time_step = scene.laws.time_step;
+        if time_step >= critical {
+            return Err(run::stopped(
+                self.step(),
+                Stop::unstable(time_step, critical),
+            ));
+        }
+        Ok(Box::new(cycling(self.spec, scene, walls, critical)))
+    }
+
+    fn checkpoint(&self) -> Vec<u8> {
+        let header = Header {
+            stage: self.stage.clone(),
+            step: self.step(),
+            phase: self.phase,
+            phase_step: self.phase_step,
+            servo: self.servo,
+            servo_steps: self.servo_steps,
+            walls: std::array::from_fn(|w| self.scene.walls.position(w, 0)),
+            critical_at_start: f64::MAX,
+            track: Track::default(),
+        };
+        run::checkpoint_of(&self.scene, 0, header).to_bytes()
+    }
+}
+
+/// The compression cycles of a preparation.
+fn cycling<S: Shape>(
+    spec: &PackSpec,
+    mut scene: Scene<F64x1, Smooth<S>>,
+    walls: [f64; WALLS],
+    critical: f64,
+) -> Drive<F64x1, Smooth<S>> {
+    let steps = ramp_steps(spec.preparation_ramp, spec.preparation_time_step);
+    scene.laws.time_step = spec.preparation_ramp / steps as f64;
+    let segments = (0..2 * spec.preparation_cycles)
+        .map(|n| Segment::ramp(steps, n % 2 == 0, false, None))
+        .collect();
+    let extent = Box2 {
+        x: walls[1] - walls[0],
+        y: walls[3] - walls[2],
+    };
+    let cycle = Cycle {
+        segments,
+        delta0: spec.delta0,
+        extent,
+    };
+    Drive::new(
+        scene,
+        cycle,
+        vec![run::silent()],
+        Across::default(),
+        critical,
+    )
+}
+
+/// Goes through the cycles and writes the prepared pack.
+fn cycles<S: Shape>(
+    spec: &PackSpec,
+    stage: &str,
+    mut drive: Box<Drive<F64x1, Smooth<S>>>,
+    servo_steps: u64,
+    progress: &mut Progress<'_>,
+) -> Result<Outcome, StageFailure> {
+    let before = servo_steps + (spec.gas_time / spec.preparation_time_step).ceil() as u64;
+    let last = drive.cycle.steps();
+    let walls = drive.scene.walls.reference();
+    run::drive(&mut drive, (before, last), progress, &|drive, k| {
+        let header = Header {
+            stage: stage.to_owned(),
+            step: before + drive.step,
+            phase: Phase::Cycles,
+            phase_step: drive.step,
+            servo: Servo::new(spec.servo_pressure, SERVO_SPEED),
+            servo_steps,
+            walls,
+            critical_at_start: drive.critical_at_start(),
+            track: drive.tracks[k].clone(),
+        };
+        run::checkpoint_of(&drive.scene, k, header).to_bytes()
+    })?;
+    if let Some((step, stop)) = drive.stops[0].take() {
+        return Err(run::stopped(before + step, stop));
+    }
+    let past = Past {
+        pack: spec.clone(),
+        train: None,
+        walls,
+        unsheared: vec![],
+    };
+    let seen = observe(&drive.scene)[0];
+    let steps = before + last;
+    let mut results = run::observed(&seen, "");
+    results.insert("servo_steps".to_owned(), Some(servo_steps as f64));
+    results.insert(
+        "critical_time_step".to_owned(),
+        run::measured(drive.tracks[0].critical_time_step),
+    );
+    for (name, axis) in [("extent_x", 0), ("extent_y", 1), ("extent_z", 2)] {
+        results.insert(
+            name.to_owned(),
+            Some(drive.scene.walls.extent(axis, 0) * spec.radius),
+        );
+    }
+    let state = run::state_of(&drive.scene, past);
+    Ok(Outcome {
+        results,
+        artifacts: BTreeMap::from([(STATE.to_owned(), state.to_bytes())]),
+        warnings: vec![],
+        steps,
+    })
+}
+
+fn read<'a, S: Shape>(
+    spec: &'a PackSpec,
+    stage: &str,
+    bytes: &[u8],
+    width: VectorWidth,
+) -> Result<Saved<'a, S>, StageFailure> {
+    let saved: Checkpoint<Header> =
+        run::read_checkpoint(stage, bytes, |header: &Header| &header.stage)?;
+    let header = saved.header.clone();
+    let mut laws = laws::<S>(spec, width);
+    if header.phase == Phase::Cycles {
+        laws.skin = SKINS[2];
+        let scene = run::restored(laws, header.walls, &[saved])?;
+        let mut drive = cycling(spec, scene, header.walls, header.critical_at_start);
+        drive.step = header.phase_step;
+        drive.tracks = vec![header.track];
+        drive.place_walls();
+        return Ok(Saved::Cycling(Box::new(drive), header.servo_steps));
+    }
+    laws.skin = SKINS[usize::from(header.phase == Phase::Servo)];
+    let reference = Lattice::new(spec.grains, &laws.body).walls();
+    let mut scene: Scene<F64x1, Smooth<S>> = run::restored(laws, reference, &[saved])?;
+    for (w, &position) in header.walls.iter().enumerate() {
+        scene.walls.place(w, 0, position);
+    }
+    scene.renew_contacts();
+    Ok(Saved::Free(Preparation {
+        spec,
+        stage: stage.to_owned(),
+        scene,
+        phase: header.phase,
+        phase_step: header.phase_step,
+        servo: header.servo,
+        servo_steps: header.servo_steps,
+    }))
+}

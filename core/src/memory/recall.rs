@@ -1,0 +1,312 @@
+//! The stage `recall`: encode a waveform, hold, decode, and a second cycle without it (Sec. II.3, III).
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use super::cycle::{Cycle, Drive, Program, Sample, Segment, Track};
+use super::run::{self, Progress};
+use super::score::Signal;
+use super::spec::RecallSpec;
+use super::state::{Checkpoint, PackState, Past};
+use super::train::{Chosen, extent, laws};
+use super::waveform::{SAMPLES, sample_u};
+use super::{hold_steps, ramp_steps};
+use crate::grains::Grains;
+use crate::guard::Stop;
+use crate::identity::canonical_json;
+use crate::observable::critical_time_step::critical_time_step;
+use crate::outcome::{HISTORY, Outcome, SIGNAL, StageFailure};
+use crate::scene::{Physics, Replicas, Scene};
+use crate::wall::Walls;
+
+/// The series of a recall, in order.
+const SERIES: [&str; 4] = ["encode", "decode", "second_encode", "second_decode"];
+const ENCODE: usize = 0;
+const DECODE: usize = 1;
+const SECOND_ENCODE: usize = 2;
+const SECOND_DECODE: usize = 3;
+
+/// What a checkpoint of a recall remembers besides the grains.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct Header {
+    stage: String,
+    step: u64,
+    critical_at_start: f64,
+    track: Track,
+    stop: Option<(u64, String, String, String)>,
+}
+
+/// Recalls of one trained pack, side by side.
+pub(crate) struct Recalls<'a> {
+    /// What each is told; all but waveform and γ0 are equal.
+    pub(crate) specs: &'a [RecallSpec],
+    /// The identity of each.
+    pub(crate) stages: &'a [String],
+    /// The trained pack.
+    pub(crate) input: &'a PackState,
+    /// A checkpoint for each, all of one step, or none.
+    pub(crate) checkpoints: Option<&'a [Vec<u8>]>,
+}
+
+/// Runs all recalls, or goes on from their checkpoints; one result for each.
+pub(crate) fn run<R: Replicas, P: Physics>(
+    recalls: &Recalls<'_>,
+    chosen: &Chosen<P>,
+    progress: &mut Progress<'_>,
+) -> Result<Vec<Result<Outcome, StageFailure>>, StageFailure> {
+    let mut drive: Drive<R, P> = match recalls.checkpoints {
+        Some(checkpoints) => resumed(recalls, checkpoints, chosen)?,
+        None => begun(recalls, chosen)?,
+    };
+    // The last sample, at u = 0, is the step after the last ramp.
+    let end = drive.cycle.steps() + 1;
+    run::drive(&mut drive, (0, end), progress, &|drive, k| {
+        let stop = drive.stops[k].as_ref().map(|(step, stop)| {
+            (
+                *step,
+                stop.kind.to_owned(),
+                stop.detail.clone(),
+                stop.remedy.clone(),
+            )
+        });
+        let header = Header {
+            stage: recalls.stages[k].clone(),
+            step: drive.step,
+            critical_at_start: drive.critical_at_start(),
+            track: drive.tracks[k].clone(),
+            stop,
+        };
+        run::checkpoint_of(&drive.scene, k, header).to_bytes()
+    })?;
+    let outcome = |(k, spec): (usize, &RecallSpec)| match &drive.stops[k] {
+        Some((step, stop)) => Err(run::stopped(*step, stop.clone())),
+        None => Ok(outcome(spec, &recalls.input.past, &drive, k)),
+    };
+    Ok(recalls.specs.iter().enumerate().map(outcome).collect())
+}
+
+fn cycle(spec: &RecallSpec, past: &Past) -> Cycle {
+    let steps = ramp_steps(spec.ramp, spec.time_step);
+    let mut segments = vec![
+        Segment::ramp(steps, true, true, Some(ENCODE)),
+        Segment::hold(hold_steps(spec.hold, steps)),
+        Segment::ramp(steps, false, false, Some(DECODE)),
+    ];
+    if spec.second_cycle {
+        segments.push(Segment::ramp(steps, true, false, Some(SECOND_ENCODE)));
+        segments.push(Segment::ramp(steps, false, false, Some(SECOND_DECODE)));
+    }
+    Cycle {
+        segments,
+        delta0: past.pack.delta0,
+        extent: extent(past),
+    }
+}
+
+fn programs(recalls: &Recalls<'_>) -> Vec<Program> {
+    recalls
+        .specs
+        .iter()
+        .map(|spec| Program {
+            gamma0: spec.gamma0,
+            bumps: spec.waveform.bumps(),
+        })
+        .collect()
+}
+
+fn begun<R: Replicas, P: Physics>(
+    recalls: &Recalls<'_>,
+    chosen: &Chosen<P>,
+) -> Result<Drive<R, P>, StageFailure> {
+    let (spec, input) = (&recalls.specs[0], recalls.input);
+    let laws = laws(&input.past, chosen, spec.skin, spec.ramp, spec.time_step);
+    let time_step = laws.time_step;
+    let mut grains = Grains::<R>::at_rest(input.poses.clone(), &laws.body, P::SPINS);
+    for k in 0..R::K {
+        for (i, &motion) in input.motions.iter().enumerate() {
+            grains.set_motion(i, k, motion);
+        }
+    }
+    let mut scene = Scene::new(laws, grains, Walls::at_rest(input.past.walls));
+    for k in 0..R::K {
+        run::give_memory(&mut scene, k, &input.contacts)?;
+    }
+    // Every replica starts alike, in the reference itself, so one measurement holds for all.
+    let critical = critical_time_step(&scene, 0, chosen.across);
+    if time_step >= critical {
+        return Err(run::stopped(0, Stop::unstable(time_step, critical)));
+    }
+    Ok(Drive::new(
+        scene,
+        cycle(spec, &input.past),
+        programs(recalls),
+        chosen.across,
+        critical,
+    ))
+}
+
+fn resumed<R: Replicas, P: Physics>(
+    recalls: &Recalls<'_>,
+    checkpoints: &[Vec<u8>],
+    chosen: &Chosen<P>,
+) -> Result<Drive<R, P>, StageFailure> {
+    let mut saved: Vec<Checkpoint<Header>> = vec![];
+    for (stage, bytes) in recalls.stages.iter().zip(checkpoints) {
+        saved.push(run::read_checkpoint(stage, bytes, |header: &Header| {
+            &header.stage
+        })?);
+    }
+    let headers: Vec<Header> = saved
+        .iter()
+        .map(|checkpoint| checkpoint.header.clone())
+        .collect();
+    let step = headers.first().map_or(0, |header| header.step);
+    if headers.len() != recalls.specs.len() || headers.iter().any(|header| header.step != step) {
+        let detail = "checkpoint: the jobs of one ensemble must be at the same step".to_owned();
+        return Err(StageFailure::Input { detail });
+    }
+    let (spec, past) = (&recalls.specs[0], &recalls.input.past);
+    let laws = laws(past, chosen, spec.skin, spec.ramp, spec.time_step);
+    let scene = run::restored(laws, past.walls, &saved)?;
+    let critical = headers[0].critical_at_start;
+    let mut drive = Drive::new(
+        scene,
+        cycle(spec, past),
+        programs(recalls),
+        chosen.across,
+        critical,
+    );
+    drive.step = step;
+    for (k, header) in headers.into_iter().enumerate() {
+        drive.tracks[k] = header.track;
+        if let Some((at, kind, detail, remedy)) = header.stop {
+            drive.restore_stop(k, at, &kind, detail, remedy);
+        }
+    }
+    drive.place_walls();
+    Ok(drive)
+}
+
+fn outcome<R: Replicas, P: Physics>(
+    spec: &RecallSpec,
+    past: &Past,
+    drive: &Drive<R, P>,
+    k: usize,
+) -> Outcome {
+    let track = &drive.tracks[k];
+    let series: Vec<Vec<Sample>> = (0..track.series.len())
+        .map(|s| track.complete(s).unwrap_or_default())
+        .collect();
+    let p_xy = |s: usize| -> Vec<f64> {
+        let samples = series.get(s).map_or(&[][..], Vec::as_slice);
+        samples
+            .iter()
+            .map(|sample| sample.pressure[0] - sample.pressure[1])
+            .collect()
+    };
+    let in_pascal = |p: Vec<f64>| {
+        p.into_iter()
+            .map(|p| p * past.pack.youngs_modulus)
+            .collect()
+    };
+    let signal = Signal {
+        encode: in_pascal(p_xy(ENCODE)),
+        decode: in_pascal(p_xy(DECODE)),
+        second_decode: in_pascal(p_xy(SECOND_DECODE)),
+    };
+    let mut results = BTreeMap::new();
+    results.insert(
+        "encode_correlation".to_owned(),
+        encode_correlation(spec, past, &p_xy(ENCODE)),
+    );
+    // The first decoding sample is taken at the last moment of the hold.
+    let held = series[DECODE]
+        .last()
+        .map(|sample| sample.seen.kinetic_energy);
+    results.insert("hold_kinetic_energy".to_owned(), held);
+    results.insert("largest_overlap".to_owned(), Some(track.largest_overlap));
+    results.insert(
+        "critical_time_step".to_owned(),
+        run::measured(track.critical_time_step),
+    );
+    results.insert("time_step".to_owned(), Some(drive.scene.laws.time_step));
+    if let (Some(first), Some(last)) = (series[ENCODE].first(), series[ENCODE].last()) {
+        results.extend(run::observed(&first.seen, ""));
+        results.extend(run::observed(&last.seen, "_compressed"));
+    }
+    let history = history(&series, past.pack.youngs_modulus);
+    Outcome {
+        results,
+        artifacts: BTreeMap::from([
+            (SIGNAL.to_owned(), canonical_json(&signal).into_bytes()),
+            (HISTORY.to_owned(), canonical_json(&history).into_bytes()),
+        ]),
+        warnings: vec![],
+        steps: drive.cycle.steps(),
+    }
+}
+
+/// Correlation of the encode response with I(u): how quasi-static the encoding was (MEMORY §4).
+///
+/// The training compression, which carried no waveform, is subtracted first; `None` for the zero waveform.
+fn encode_correlation(spec: &RecallSpec, past: &Past, p_xy: &[f64]) -> Option<f64> {
+    let bumps = spec.waveform.bumps();
+    let (mut i_p, mut i_i, mut p_p) = (0.0, 0.0, 0.0);
+    for (k, (p, background)) in p_xy.iter().zip(&past.unsheared).enumerate() {
+        let (i, p) = (bumps.shear(sample_u(k)), p - background);
+        i_p += i * p;
+        i_i += i * i;
+        p_p += p * p;
+    }
+    (i_i > 0.0 && p_p > 0.0).then(|| i_p / (i_i.sqrt() * p_p.sqrt()))
+}
+
+/// One quantity at the 256 values of u, by the name of the series.
+type Columns = BTreeMap<&'static str, BTreeMap<&'static str, Vec<f64>>>;
+
+/// Everything recorded, by series and quantity; index 0 is u = 0 in every series.
+#[derive(Serialize)]
+struct History {
+    u: Vec<f64>,
+    units: BTreeMap<&'static str, &'static str>,
+    series: Columns,
+}
+
+fn history(series: &[Vec<Sample>], youngs_modulus: f64) -> History {
+    let quantities: [(&str, &str, &dyn Fn(&Sample) -> f64); 8] = [
+        ("p_x", "Pa", &|s| s.pressure[0] * youngs_modulus),
+        ("p_y", "Pa", &|s| s.pressure[1] * youngs_modulus),
+        ("p_z", "Pa", &|s| s.pressure[2] * youngs_modulus),
+        ("volume_fraction", "", &|s| s.seen.volume_fraction),
+        ("coordination_number", "", &|s| s.seen.coordination_number),
+        ("sphere_contacts_per_grain", "", &|s| {
+            s.seen.sphere_contacts_per_grain
+        }),
+        ("wall_contacts_per_grain", "", &|s| {
+            s.seen.wall_contacts_per_grain
+        }),
+        ("kinetic_energy", "E R³ per grain", &|s| {
+            s.seen.kinetic_energy
+        }),
+    ];
+    let mut columns = Columns::new();
+    for (name, samples) in SERIES.into_iter().zip(series) {
+        let of = |quantity: &dyn Fn(&Sample) -> f64| samples.iter().map(quantity).collect();
+        columns.insert(
+            name,
+            quantities
+                .iter()
+                .map(|(name, _, quantity)| (*name, of(quantity)))
+                .collect(),
+        );
+    }
+    History {
+        u: (0..SAMPLES).map(sample_u).collect(),
+        units: quantities
+            .iter()
+            .map(|(name, unit, _)| (*name, *unit))
+            .collect(),
+        series: columns,
+    }
+}

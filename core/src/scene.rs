@@ -1,0 +1,229 @@
+//! A scene: grains, walls and contacts in K replicas, and the step that moves them.
+
+use crate::contact::{Components, TangentialLaw};
+use crate::force::{AffineRate, BodyForce};
+use crate::grains::Grains;
+use crate::lanes::{F32x8, F32x16, F64x1, F64x8, Row, Scalar, VectorWidth, dispatch};
+use crate::material::Material;
+use crate::neighbor::Key;
+use crate::shape::{Body, Shape};
+use crate::wall::Walls;
+
+pub(crate) mod contacts;
+mod interact;
+mod lone;
+mod motion;
+pub(crate) mod step;
+pub(crate) mod survey;
+
+use contacts::{Contacts, Live};
+
+/// What a scene models, as types: what is absent has size zero and costs nothing.
+pub trait Physics: Copy + Send + Sync + 'static {
+    /// The shape of every grain.
+    type Shape: Shape;
+    /// The force in the contact plane.
+    type Tangential: TangentialLaw;
+    /// What acts on every grain besides contacts.
+    type Body: BodyForce;
+
+    /// Whether grains have an orientation.
+    const ORIENTED: bool = Self::Shape::SPHERES > 1;
+    /// Whether anything can spin a grain: a pull along its surface, or a push off its center.
+    const SPINS: bool = Self::Tangential::TANGENTIAL || Self::Shape::SPHERES > 1;
+}
+
+/// A shape, a tangential law and a body force.
+#[derive(Clone, Copy, Debug)]
+pub struct With<S, T, B>(std::marker::PhantomData<(S, T, B)>);
+
+impl<S: Shape, T: TangentialLaw, B: BodyForce> Physics for With<S, T, B> {
+    type Shape = S;
+    type Tangential = T;
+    type Body = B;
+}
+
+/// The laws of a scene and how it is integrated.
+#[derive(Clone)]
+pub struct Laws<P: Physics> {
+    /// The rigid body of every grain.
+    pub body: Body,
+    /// Normal forces.
+    pub material: Material,
+    /// Forces in the contact plane.
+    pub tangential: P::Tangential,
+    /// What acts on every grain besides contacts.
+    pub body_force: P::Body,
+    /// \[t_c\].
+    pub time_step: f64,
+    /// How far beyond touching the list of candidates reaches \[R\].
+    pub skin: f64,
+    /// The vector instructions to use.
+    pub width: VectorWidth,
+}
+
+/// How K replicas take a step: the lanes of a vector are replicas, or, for a lone run, contacts.
+pub trait Replicas: Row {
+    /// Takes one step; returns how far anything can have moved \[R\].
+    #[doc(hidden)]
+    fn step<P: Physics>(scene: &mut Scene<Self, P>) -> f64;
+}
+
+impl Replicas for F64x1 {
+    fn step<P: Physics>(scene: &mut Scene<Self, P>) -> f64 {
+        dispatch::<F64x8, _>(scene.laws.width, lone::LoneStep { scene })
+    }
+}
+
+macro_rules! side_by_side {
+    ($($row:ty),*) => {$(
+        impl Replicas for $row {
+            fn step<P: Physics>(scene: &mut Scene<Self, P>) -> f64 {
+                dispatch::<Self, _>(scene.laws.width, step::Step { scene })
+            }
+        }
+    )*};
+}
+
+side_by_side!(F64x8, F32x8, F32x16);
+
+/// Grains, walls and contacts in K replicas.
+#[derive(Clone)]
+pub struct Scene<R: Row, P: Physics> {
+    /// The laws; the time step may be changed between steps.
+    pub laws: Laws<P>,
+    /// The grains.
+    pub grains: Grains<R>,
+    /// The walls.
+    pub walls: Walls<R>,
+    pub(crate) contacts: Contacts<R, P::Tangential>,
+    /// The affine motion of the box, for a drag.
+    pub(crate) affine: AffineRate<R>,
+    /// Whether each replica still runs; the others are copies of one that does.
+    running: Vec<bool>,
+}
+
+impl<R: Replicas, P: Physics> Scene<R, P> {
+    /// A scene whose replicas all stand where `grains` and `walls` say.
+    #[must_use]
+    pub fn new(laws: Laws<P>, grains: Grains<R>, walls: Walls<R>) -> Self {
+        let contacts = Contacts::new(laws.skin);
+        let mut scene = Self {
+            laws,
+            grains,
+            walls,
+            contacts,
+            affine: AffineRate::default(),
+            running: vec![true; R::K],
+        };
+        scene.renew_contacts();
+        scene
+    }
+
+    /// Advances every replica by one step.
+    ///
+    /// 1. Forces at the present positions, with the velocities of the last half step; row by row, in order of grain numbers.
+    /// 2. As soon as a grain's row is complete, nothing more acts on it: kick it by a whole step and let it drift.
+    /// 3. If something may have come near that the list does not hold, renew the list.
+    ///
+    /// The caller has put the walls where they are at the present positions.
+    pub fn step(&mut self) {
+        let swept = R::step(self);
+        let reach = self.laws.body.reach();
+        let live = Live {
+            leader: leader(&self.running),
+            running: &self.running,
+        };
+        self.contacts
+            .follow(swept, &self.grains, &self.walls, reach, live);
+    }
+
+    /// Builds the list of candidates anew.
+    pub fn renew_contacts(&mut self) {
+        let live = Live {
+            leader: leader(&self.running),
+            running: &self.running,
+        };
+        self.contacts
+            .renew(&self.grains, &self.walls, self.laws.body.reach(), live);
+    }
+
+    /// Changes how far beyond touching the list reaches; no result depends on it.
+    pub fn set_skin(&mut self, skin: f64) {
+        self.laws.skin = skin;
+        self.contacts.set_skin(skin);
+        self.renew_contacts();
+    }
+
+    /// Whether replica `k` still runs.
+    #[must_use]
+    pub fn is_running(&self, k: usize) -> bool {
+        self.running[k]
+    }
+
+    /// Takes replica `k` out; from now on all that are out are copies of the first that runs.
+    ///
+    /// The bits of those that run do not change.
+    pub fn stop_lane(&mut self, k: usize) {
+        self.running[k] = false;
+        let Some(from) = self.running.iter().position(|&running| running) else {
+            return;
+        };
+        for to in (0..R::K).filter(|&to| !self.running[to]) {
+            self.grains.copy_lane(from, to);
+            self.walls.copy_lane(from, to);
+            self.contacts.copy_lane(from, to);
+        }
+    }
+
+    /// Sets the strain rates of replica `k`'s box, for a drag on what departs from them.
+    pub fn set_affine_rate(&mut self, k: usize, [x, y, z]: [f64; 3]) {
+        self.affine.rate.x.lanes_mut()[k] = R::Scalar::from_f64(x);
+        self.affine.rate.y.lanes_mut()[k] = R::Scalar::from_f64(y);
+        self.affine.rate.z.lanes_mut()[k] = R::Scalar::from_f64(z);
+    }
+
+    /// Every pair in the list: grain `i`, and the pair.
+    pub(crate) fn pairs(&self) -> impl Iterator<Item = (usize, Key)> + '_ {
+        self.contacts.pairs()
+    }
+
+    /// Every contact of replica `k` that remembers something: grain `i`, the pair, and its history.
+    pub fn remembered(&self, k: usize) -> impl Iterator<Item = (u32, Key, Vec<f64>)> + '_ {
+        self.contacts.remembered(k)
+    }
+
+    /// Gives replica `k` a remembered contact; `false` if the pair is too far apart to touch.
+    pub fn remember(&mut self, k: usize, i: u32, key: Key, history: &[f64]) -> bool {
+        self.contacts.remember(k, i, key, history)
+    }
+
+    /// How often the list of candidates was built.
+    #[must_use]
+    pub fn renewals(&self) -> u64 {
+        self.contacts.renewals
+    }
+
+    /// Candidate pairs in the list.
+    #[must_use]
+    pub fn candidates(&self) -> usize {
+        self.contacts.candidates.len()
+    }
+
+    /// Bytes that one candidate and its history take.
+    #[must_use]
+    pub fn bytes_per_candidate() -> usize {
+        std::mem::size_of::<contacts::Candidate<R::Scalar>>()
+            + std::mem::size_of::<<P::Tangential as TangentialLaw>::History<R>>()
+    }
+}
+
+fn leader(running: &[bool]) -> usize {
+    running.iter().position(|&running| running).unwrap_or(0)
+}
+
+/// The number of components that a law's history has.
+#[must_use]
+pub fn history_components<T: TangentialLaw>() -> usize {
+    T::History::<u8>::from_fn(|_| 0).as_slice().len()
+}

@@ -1,0 +1,360 @@
+//! The contacts of a scene: candidates with their reference geometry, and what each remembers.
+//!
+//! One list serves all replicas.
+//! It holds every pair of spheres that any replica could bring to touch before the next renewal.
+
+use crate::contact::{Components, TangentialLaw};
+use crate::grains::Grains;
+use crate::lanes::{Row, Scalar};
+use crate::math::plain;
+use crate::neighbor::{CellGrid, Key, Rows, Spheres};
+use crate::wall::{WALLS, Walls, axis, inward};
+
+/// A pair of spheres that may touch; its grain `i` is the row that it stands in.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Candidate<S> {
+    /// Twice the branch vector L0 from `j`'s sphere to `i`'s in the reference.
+    pub(crate) twice_branch: [S; 3],
+    /// |L0|² − 4: below zero where the spheres touch in the reference.
+    pub(crate) excess: S,
+    /// The other grain.
+    pub(crate) j: u32,
+    /// Sphere of the row's grain.
+    pub(crate) a: u8,
+    /// Sphere of the other grain.
+    pub(crate) b: u8,
+    /// Whether any replica touched in the last step, so that there is a history to forget.
+    pub(crate) live: bool,
+}
+
+impl<S> Candidate<S> {
+    fn key(&self) -> Key {
+        Key {
+            j: self.j,
+            a: self.a,
+            b: self.b,
+        }
+    }
+}
+
+/// A sphere that may touch a wall.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct WallCandidate<S> {
+    /// Distance of the sphere's center from the wall in the reference, minus R.
+    pub(crate) gap: S,
+    /// Which wall.
+    pub(crate) wall: u8,
+    /// Which sphere of the row's grain.
+    pub(crate) a: u8,
+}
+
+/// All candidates and histories.
+#[derive(Clone)]
+pub(crate) struct Contacts<R: Row, T: TangentialLaw> {
+    pub(crate) starts: Vec<u32>,
+    pub(crate) candidates: Vec<Candidate<R::Scalar>>,
+    pub(crate) histories: Vec<T::History<R>>,
+    pub(crate) wall_starts: Vec<u32>,
+    pub(crate) wall_candidates: Vec<WallCandidate<R::Scalar>>,
+    /// Last list's rows, while the next one takes over their histories.
+    old: (Vec<u32>, Vec<Candidate<R::Scalar>>, Vec<T::History<R>>),
+    grid: CellGrid,
+    found: Rows,
+    built: Built,
+    /// No grain or wall has moved farther than this since the list was built \[R\].
+    swept: f64,
+    skin: f64,
+    /// How often the list was built.
+    pub(crate) renewals: u64,
+}
+
+/// Where everything was when the list was built, in the leading replica.
+#[derive(Clone, Debug, Default)]
+struct Built {
+    centers: Vec<[f64; 3]>,
+    offsets: Vec<([f64; 3], [f64; 4])>,
+    walls: [f64; WALLS],
+    /// How much farther than the leading replica's a sphere of each grain was in any other.
+    slack: Vec<f64>,
+    wall_slack: f64,
+}
+
+/// Which replicas count: the leading one and all that still run.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Live<'a> {
+    /// The first replica that runs.
+    pub(crate) leader: usize,
+    /// Whether each replica runs.
+    pub(crate) running: &'a [bool],
+}
+
+impl Live<'_> {
+    fn lanes(&self) -> impl Iterator<Item = usize> + '_ {
+        self.running
+            .iter()
+            .enumerate()
+            .filter_map(|(k, &running)| running.then_some(k))
+    }
+}
+
+impl<R: Row, T: TangentialLaw> Contacts<R, T> {
+    pub(crate) fn new(skin: f64) -> Self {
+        Self {
+            starts: vec![],
+            candidates: vec![],
+            histories: vec![],
+            wall_starts: vec![],
+            wall_candidates: vec![],
+            old: (vec![], vec![], vec![]),
+            grid: CellGrid::default(),
+            found: Rows::default(),
+            built: Built::default(),
+            swept: f64::INFINITY,
+            skin,
+            renewals: 0,
+        }
+    }
+
+    pub(crate) fn set_skin(&mut self, skin: f64) {
+        self.skin = skin;
+        self.swept = f64::INFINITY;
+    }
+
+    /// Takes note that nothing moved farther than `distance`, and renews the list if some pair might be missed.
+    pub(crate) fn follow(
+        &mut self,
+        distance: f64,
+        grains: &Grains<R>,
+        walls: &Walls<R>,
+        reach: f64,
+        live: Live<'_>,
+    ) {
+        self.swept += distance;
+        // Not `>`: a distance that is not a number must renew too.
+        if self.swept <= 0.5 * self.skin {
+            return;
+        }
+        if self.swept.is_finite() {
+            self.swept = self.measure(grains, walls, reach, live);
+            // A list that is almost used up is renewed now rather than measured again at every step.
+            if self.swept <= 0.4 * self.skin {
+                return;
+            }
+        }
+        self.renew(grains, walls, reach, live);
+    }
+
+    /// How far beyond its slack any sphere or wall of any running replica has moved since the list was built.
+    fn measure(&self, grains: &Grains<R>, walls: &Walls<R>, reach: f64, live: Live<'_>) -> f64 {
+        let mut most = 0.0f64;
+        for i in 0..grains.len() {
+            for k in live.lanes() {
+                most = most.max(
+                    moved(self.built.offsets[i], grains.offset(i, k), reach) - self.built.slack[i],
+                );
+            }
+        }
+        for w in 0..WALLS {
+            for k in live.lanes() {
+                most = most.max(
+                    (walls.position(w, k) - self.built.walls[w]).abs() - self.built.wall_slack,
+                );
+            }
+        }
+        most
+    }
+
+    /// Builds the list anew from where the replicas are, carrying the histories over.
+    pub(crate) fn renew(
+        &mut self,
+        grains: &Grains<R>,
+        walls: &Walls<R>,
+        reach: f64,
+        live: Live<'_>,
+    ) {
+        self.note_where_everything_is(grains, walls, reach, live);
+        let spheres = Spheres {
+            centers: &self.built.centers,
+            per_grain: grains.spheres(),
+            reach,
+            slack: &self.built.slack,
+            skin: self.skin,
+        };
+        self.grid.search(&spheres, &mut self.found);
+        self.take_over(grains);
+        self.find_wall_candidates(grains, walls);
+        self.swept = 0.0;
+        self.renewals += 1;
+    }
+
+    fn note_where_everything_is(
+        &mut self,
+        grains: &Grains<R>,
+        walls: &Walls<R>,
+        reach: f64,
+        live: Live<'_>,
+    ) {
+        let built = &mut self.built;
+        built.centers.clear();
+        built.offsets.clear();
+        built.slack.clear();
+        for i in 0..grains.len() {
+            let lead = grains.offset(i, live.leader);
+            built
+                .centers
+                .extend((0..grains.spheres()).map(|a| grains.center(i, a, live.leader)));
+            built.offsets.push(lead);
+            let farther = |most: f64, k| most.max(moved(lead, grains.offset(i, k), reach));
+            built.slack.push(live.lanes().fold(0.0, farther));
+        }
+        built.wall_slack = 0.0;
+        for w in 0..WALLS {
+            built.walls[w] = walls.position(w, live.leader);
+            for k in live.lanes() {
+                built.wall_slack = built
+                    .wall_slack
+                    .max((walls.position(w, k) - built.walls[w]).abs());
+            }
+        }
+    }
+
+    /// Makes the found keys the list; walks old and new rows side by side to carry histories over.
+    fn take_over(&mut self, grains: &Grains<R>) {
+        std::mem::swap(&mut self.starts, &mut self.old.0);
+        std::mem::swap(&mut self.candidates, &mut self.old.1);
+        std::mem::swap(&mut self.histories, &mut self.old.2);
+        self.starts.clear();
+        self.candidates.clear();
+        self.histories.clear();
+        self.starts.extend_from_slice(&self.found.starts);
+        let (old_starts, old_candidates, old_histories) = &self.old;
+        for i in 0..grains.len() {
+            let (mut next, end) = match old_starts.get(i..i + 2) {
+                Some(range) => (range[0] as usize, range[1] as usize),
+                None => (0, 0),
+            };
+            for &key in self.found.row(i) {
+                while next < end && old_candidates[next].key() < key {
+                    next += 1;
+                }
+                let known = next < end && old_candidates[next].key() == key;
+                let live = known && old_candidates[next].live;
+                self.histories.push(if live {
+                    old_histories[next]
+                } else {
+                    T::History::from_fn(|_| R::default())
+                });
+                self.candidates.push(candidate(grains, i, key, live));
+            }
+        }
+    }
+
+    fn find_wall_candidates(&mut self, grains: &Grains<R>, walls: &Walls<R>) {
+        let reference = walls.reference();
+        self.wall_starts.clear();
+        self.wall_candidates.clear();
+        self.wall_starts.push(0);
+        for i in 0..grains.len() {
+            for wall in 0..WALLS {
+                for a in 0..grains.spheres() {
+                    let center = self.built.centers[grains.spheres() * i + a][axis(wall)];
+                    let distance = inward(wall) * (center - self.built.walls[wall]);
+                    if distance < 1.0 + self.skin + self.built.slack[i] + self.built.wall_slack {
+                        let at_reference = grains.reference()[i].position[axis(wall)]
+                            + grains.arm(i, a)[axis(wall)];
+                        let gap = inward(wall) * (at_reference - reference[wall]) - 1.0;
+                        let gap = R::Scalar::from_f64(gap);
+                        self.wall_candidates.push(WallCandidate {
+                            gap,
+                            wall: wall as u8,
+                            a: a as u8,
+                        });
+                    }
+                }
+            }
+            self.wall_starts.push(self.wall_candidates.len() as u32);
+        }
+    }
+
+    /// Every pair in the list: grain `i`, and the pair.
+    pub(crate) fn pairs(&self) -> impl Iterator<Item = (usize, Key)> + '_ {
+        let rows = self.starts.windows(2).enumerate();
+        rows.flat_map(|(i, range)| {
+            self.candidates[range[0] as usize..range[1] as usize]
+                .iter()
+                .map(move |c| (i, c.key()))
+        })
+    }
+
+    /// Every remembered contact of replica `k`: grain `i`, key and history.
+    pub(crate) fn remembered(&self, k: usize) -> impl Iterator<Item = (u32, Key, Vec<f64>)> + '_ {
+        let rows = self.starts.windows(2).enumerate();
+        rows.flat_map(move |(i, range)| {
+            (range[0] as usize..range[1] as usize)
+                .filter(|&c| self.candidates[c].live)
+                .map(move |c| {
+                    let history = self.histories[c]
+                        .as_slice()
+                        .iter()
+                        .map(|row| row.lanes()[k].to_f64())
+                        .collect();
+                    (i as u32, self.candidates[c].key(), history)
+                })
+        })
+    }
+
+    /// Gives replica `k` a remembered contact; `false` if the list does not hold the pair.
+    pub(crate) fn remember(&mut self, k: usize, i: u32, key: Key, history: &[f64]) -> bool {
+        let range = self.starts[i as usize] as usize..self.starts[i as usize + 1] as usize;
+        let Ok(place) = self.candidates[range.clone()].binary_search_by_key(&key, Candidate::key)
+        else {
+            return false;
+        };
+        let c = range.start + place;
+        self.candidates[c].live = true;
+        for (row, &value) in self.histories[c].as_mut_slice().iter_mut().zip(history) {
+            row.lanes_mut()[k] = R::Scalar::from_f64(value);
+        }
+        true
+    }
+
+    /// Makes what replica `to` remembers a copy of what replica `from` does.
+    pub(crate) fn copy_lane(&mut self, from: usize, to: usize) {
+        for history in &mut self.histories {
+            for row in history.as_mut_slice() {
+                row.lanes_mut()[to] = row.lanes()[from];
+            }
+        }
+    }
+}
+
+fn candidate<R: Row>(grains: &Grains<R>, i: usize, key: Key, live: bool) -> Candidate<R::Scalar> {
+    let center = |i: usize, a: u8| {
+        plain::add(
+            grains.reference()[i].position,
+            grains.arm(i, usize::from(a)),
+        )
+    };
+    let branch = plain::sub(center(i, key.a), center(key.j as usize, key.b));
+    Candidate {
+        twice_branch: branch.map(|part| R::Scalar::from_f64(2.0 * part)),
+        excess: R::Scalar::from_f64(plain::dot(branch, branch) - 4.0),
+        j: key.j,
+        a: key.a,
+        b: key.b,
+        live,
+    }
+}
+
+/// An upper bound of how far any point within `reach` of the middle moved between two offsets.
+///
+/// A turn between unit quaternions q and q' by α has |q − q'| = 2 sin(α/4), and moves a point by 2 r sin(α/2) ≤ 2 r |q − q'|.
+fn moved(from: ([f64; 3], [f64; 4]), to: ([f64; 3], [f64; 4]), reach: f64) -> f64 {
+    let turn: f64 = from
+        .1
+        .iter()
+        .zip(to.1)
+        .map(|(a, b)| (a - b) * (a - b))
+        .sum();
+    plain::norm(plain::sub(to.0, from.0)) + 2.0 * reach * turn.sqrt()
+}

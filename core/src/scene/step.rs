@@ -1,0 +1,179 @@
+//! One step of an ensemble: every lane is a replica.
+//!
+//! A row is done in two sweeps, so that long chains of roots and divisions of different contacts overlap:
+//! first every candidate is tested and those that any replica touches are noted, then the forces of the noted ones are found.
+
+use crate::contact::{Components, TangentialLaw};
+use crate::grains::Grains;
+use crate::lanes::{Kernel, Lane, Mask, Row};
+use crate::math::Vec3;
+use crate::shape::Shape;
+use crate::wall::{MAX_LANES, WALLS};
+
+use super::contacts::Contacts;
+use super::interact::{Constants, Geometry, Partner, excess, geometry, interact};
+use super::motion::{Fastest, Load, MotionConstants, RowGrain, advance, push_of_wall};
+use super::{Physics, Scene};
+
+/// Touching pairs that are noted before their forces are found.
+const NOTED: usize = 16;
+
+/// The whole step; returns how far anything can have moved.
+pub(super) struct Step<'a, R: Row, P: Physics> {
+    pub(super) scene: &'a mut Scene<R, P>,
+}
+
+/// A pair that touches in some replica.
+#[derive(Clone, Copy)]
+struct Touch<L: Lane> {
+    candidate: usize,
+    touching: L::Mask,
+    excess: L,
+    branch: Vec3<L>,
+    arm_j: Vec3<L>,
+}
+
+impl<R: Row, P: Physics> Kernel<R> for Step<'_, R, P> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn run<L: Lane<Row = R, Scalar = R::Scalar>>(self) -> f64 {
+        let Scene {
+            laws,
+            grains,
+            walls,
+            contacts,
+            affine,
+            ..
+        } = self.scene;
+        let constants = Constants::<L, P::Tangential>::new(laws);
+        let motion = MotionConstants::<L>::new(laws);
+        walls.force = [[0.0; MAX_LANES]; WALLS];
+        let mut fastest = Fastest::none();
+        let nothing = Touch {
+            candidate: 0,
+            touching: L::constant(0.0).lt(L::constant(0.0)),
+            excess: L::constant(0.0),
+            branch: Vec3::zero(),
+            arm_j: Vec3::zero(),
+        };
+        let mut touches = [nothing; NOTED];
+        for i in 0..grains.len() {
+            let at = RowGrain::<L>::load::<P>(grains, i);
+            let mut load = Load::<L>::take::<P>(grains, i);
+            let (mut next, end) = (contacts.starts[i] as usize, contacts.starts[i + 1] as usize);
+            while next < end {
+                let noted = note::<L, P>(&at, (&mut next, end), grains, contacts, &mut touches);
+                for touch in &touches[..noted] {
+                    act::<L, P>(&constants, &at, touch, grains, contacts, &mut load);
+                }
+            }
+            for c in contacts.wall_starts[i] as usize..contacts.wall_starts[i + 1] as usize {
+                push_of_wall::<L, P>(&motion, &at, &contacts.wall_candidates[c], walls, &mut load);
+            }
+            advance::<L, P>(
+                &motion,
+                (&laws.body_force, affine),
+                i,
+                &load,
+                grains,
+                &mut fastest,
+            );
+        }
+        fastest.swept(laws, walls)
+    }
+}
+
+/// Tests candidates from `next` on until `touches` is full or the row ends; returns how many touch.
+#[inline(always)]
+fn note<L: Lane, P: Physics>(
+    at: &RowGrain<L>,
+    (next, end): (&mut usize, usize),
+    grains: &Grains<L::Row>,
+    contacts: &mut Contacts<L::Row, P::Tangential>,
+    touches: &mut [Touch<L>; NOTED],
+) -> usize {
+    let mut noted = 0;
+    while *next < end && noted < NOTED {
+        let c = *next;
+        *next += 1;
+        let candidate = &mut contacts.candidates[c];
+        let (j, a, b) = (
+            candidate.j as usize,
+            usize::from(candidate.a),
+            usize::from(candidate.b),
+        );
+        let (mut shifted_j, mut arm_j) = (grains.displacement[j].load(), Vec3::zero());
+        if P::ORIENTED {
+            let arm = Vec3::broadcast(grains.lane_arms[P::Shape::SPHERES * j + b]);
+            let shift = grains.turn[j].load::<L>().shift(arm);
+            shifted_j = shifted_j + shift;
+            arm_j = arm + shift;
+        }
+        let change = at.shifted[a] - shifted_j;
+        let twice = Vec3::broadcast(candidate.twice_branch);
+        let excess = excess(twice, L::splat(candidate.excess), change);
+        let touching = excess.lt(L::constant(0.0));
+        let branch = twice.scale_add(L::constant(0.5), change);
+        touches[noted] = Touch {
+            candidate: c,
+            touching,
+            excess,
+            branch,
+            arm_j,
+        };
+        let any = touching.any();
+        if candidate.live && !any {
+            contacts.histories[c] = Components::from_fn(|_| L::Row::default());
+        }
+        candidate.live = any;
+        noted += usize::from(any);
+    }
+    noted
+}
+
+/// Adds the force of one touching pair.
+#[inline(always)]
+fn act<L: Lane, P: Physics>(
+    constants: &Constants<L, P::Tangential>,
+    at: &RowGrain<L>,
+    touch: &Touch<L>,
+    grains: &mut Grains<L::Row>,
+    contacts: &mut Contacts<L::Row, P::Tangential>,
+    load: &mut Load<L>,
+) {
+    let candidate = &contacts.candidates[touch.candidate];
+    let (j, a) = (candidate.j as usize, usize::from(candidate.a));
+    let rows = contacts.histories[touch.candidate].as_mut_slice();
+    let mut history =
+        <P::Tangential as TangentialLaw>::History::<L>::from_fn(|n| L::load(&rows[n]));
+    let geometry: Geometry<L> = geometry(touch.branch, touch.excess);
+    let partner_i = Partner {
+        arm: at.arms[a],
+        velocity: at.velocity,
+        spin: at.spin,
+    };
+    let partner_j = Partner {
+        arm: touch.arm_j,
+        velocity: grains.velocity[j].load(),
+        spin: if P::SPINS {
+            grains.spin[j].load()
+        } else {
+            Vec3::zero()
+        },
+    };
+    let action = interact::<L, P>(constants, &geometry, &partner_i, &partner_j, &mut history);
+    for (row, lanes) in rows.iter_mut().zip(history.as_slice()) {
+        lanes.keep(touch.touching).store(row);
+    }
+    // Lanes that do not touch may hold what is not a number, and add nothing.
+    let force = action.force.keep(touch.touching);
+    load.force = load.force + force;
+    let on_j: Vec3<L> = grains.force[j].load();
+    (on_j - force).store(&mut grains.force[j]);
+    if P::SPINS {
+        load.torque = load.torque + action.torque_i().keep(touch.touching);
+        let on_j: Vec3<L> = grains.torque[j].load();
+        (on_j + action.torque_j().keep(touch.touching)).store(&mut grains.torque[j]);
+    }
+}

@@ -1,0 +1,240 @@
+//! The one place where a spec becomes types: every combination that is compiled is listed here.
+
+use super::{Ensemble, StageSpec};
+use crate::contact::TangentialLaw;
+use crate::contact::frictionless::Frictionless;
+use crate::contact::hooke::Hooke;
+use crate::force::{AffineDrag, BodyForce};
+use crate::lanes::{F32x8, F32x16, F64x1, F64x8, VectorWidth};
+use crate::material::Units;
+use crate::memory::pack;
+use crate::memory::recall::{self, Recalls};
+use crate::memory::run::Progress;
+use crate::memory::spec::{Precision, RecallSpec, ShapeName, TrainSpec};
+use crate::memory::state::{PackState, Past};
+use crate::memory::train::{self, Chosen};
+use crate::observable::critical_time_step::Across;
+use crate::outcome::{Outcome, StageFailure, Watch};
+use crate::scene::With;
+use crate::shape::{Shape, Sphere, Tetrahedron};
+
+type Outcomes = Result<Vec<Result<Outcome, StageFailure>>, StageFailure>;
+
+/// Runs an ensemble with the types that its specs ask for.
+pub(super) fn run(ensemble: &Ensemble<'_>, width: VectorWidth, watch: Watch<'_>) -> Outcomes {
+    let (first, steps) = match ensemble.specs.first() {
+        Some(first) => (first, expected_steps(first)),
+        None => return Ok(vec![]),
+    };
+    let mut progress = Progress { watch, steps };
+    let key = first.ensemble_key();
+    if ensemble.specs.len() > first.max_lanes()
+        || ensemble.specs.iter().any(|spec| spec.ensemble_key() != key)
+    {
+        return Err(input(
+            "the jobs of an ensemble must have one ensemble key and fit its lanes",
+        ));
+    }
+    let checkpoint = ensemble
+        .checkpoints
+        .and_then(|checkpoints| checkpoints.first())
+        .map(Vec::as_slice);
+    let stage = first.id().to_string();
+    match first {
+        StageSpec::Pack(spec) => {
+            let outcome = match spec.shape {
+                ShapeName::Sphere => {
+                    pack::run::<Sphere>(spec, &stage, checkpoint, width, &mut progress)
+                }
+                ShapeName::Tetrahedron => {
+                    pack::run::<Tetrahedron>(spec, &stage, checkpoint, width, &mut progress)
+                }
+            };
+            Ok(vec![outcome])
+        }
+        StageSpec::Train(spec) => {
+            let state = read(ensemble.input)?;
+            if StageSpec::Pack(state.past.pack.clone()).id() != spec.pack {
+                return Err(input(
+                    "the input is another pack than the one the stage names",
+                ));
+            }
+            let job = Job::Train {
+                spec,
+                stage: &stage,
+                state: &state,
+                checkpoint,
+            };
+            shaped(&job, &state.past, spec, width, &mut progress)
+        }
+        StageSpec::Recall(_) => recalled(ensemble, width, &mut progress),
+    }
+}
+
+fn recalled(ensemble: &Ensemble<'_>, width: VectorWidth, progress: &mut Progress<'_>) -> Outcomes {
+    let state = read(ensemble.input)?;
+    let train = state
+        .past
+        .train
+        .clone()
+        .ok_or_else(|| input("the input is a pack that was not trained"))?;
+    let recall = |spec: &StageSpec| match spec {
+        StageSpec::Recall(recall) => Some(recall.clone()),
+        _ => None,
+    };
+    let specs: Vec<RecallSpec> = ensemble.specs.iter().filter_map(recall).collect();
+    if StageSpec::Train(train.clone()).id() != specs[0].train {
+        return Err(input(
+            "the input is another trained pack than the one the stage names",
+        ));
+    }
+    let stages: Vec<String> = ensemble
+        .specs
+        .iter()
+        .map(|spec| spec.id().to_string())
+        .collect();
+    let recalls = Recalls {
+        specs: &specs,
+        stages: &stages,
+        input: &state,
+        checkpoints: ensemble.checkpoints,
+    };
+    shaped(&Job::Recall(&recalls), &state.past, &train, width, progress)
+}
+
+fn expected_steps(spec: &StageSpec) -> u64 {
+    match spec {
+        StageSpec::Pack(pack) => pack.predicted_steps(),
+        // The number of steps does not depend on the pack.
+        other => other.steps(),
+    }
+}
+
+fn input(detail: &str) -> StageFailure {
+    StageFailure::Input {
+        detail: detail.to_owned(),
+    }
+}
+
+fn read(bytes: &[u8]) -> Result<PackState, StageFailure> {
+    PackState::from_bytes(bytes).map_err(|detail| input(&format!("input: {detail}")))
+}
+
+/// A stage with friction, waiting for its types.
+enum Job<'a> {
+    Train {
+        spec: &'a TrainSpec,
+        stage: &'a str,
+        state: &'a PackState,
+        checkpoint: Option<&'a [u8]>,
+    },
+    Recall(&'a Recalls<'a>),
+}
+
+fn shaped(
+    job: &Job<'_>,
+    past: &Past,
+    train: &TrainSpec,
+    width: VectorWidth,
+    progress: &mut Progress<'_>,
+) -> Outcomes {
+    match past.pack.shape {
+        ShapeName::Sphere => lawful::<Sphere>(job, past, train, width, progress),
+        ShapeName::Tetrahedron => lawful::<Tetrahedron>(job, past, train, width, progress),
+    }
+}
+
+fn lawful<S: Shape>(
+    job: &Job<'_>,
+    past: &Past,
+    train: &TrainSpec,
+    width: VectorWidth,
+    progress: &mut Progress<'_>,
+) -> Outcomes {
+    // μ = 0 gives no tangential force: the same trajectory without springs.
+    if train.friction_coefficient == 0.0 {
+        return dragged::<S, Frictionless>(
+            job,
+            train,
+            (Frictionless, Across::default(), width),
+            progress,
+        );
+    }
+    let pack = &past.pack;
+    let units = Units::new(pack.radius, pack.density, pack.youngs_modulus);
+    let stiffness = units.stiffness_from_si(train.tangential_stiffness);
+    let damping = train.tangential_damping_ratio * pack.normal_damping * stiffness;
+    let law = Hooke {
+        stiffness,
+        damping,
+        friction_coefficient: train.friction_coefficient,
+    };
+    dragged::<S, Hooke>(
+        job,
+        train,
+        (law, Across { stiffness, damping }, width),
+        progress,
+    )
+}
+
+fn dragged<S: Shape, T: TangentialLaw>(
+    job: &Job<'_>,
+    train: &TrainSpec,
+    (tangential, across, width): (T, Across, VectorWidth),
+    progress: &mut Progress<'_>,
+) -> Outcomes {
+    let rate = match job {
+        Job::Train { .. } => train.drag,
+        Job::Recall(recalls) => recalls.specs[0].drag,
+    };
+    if rate == 0.0 {
+        laned::<S, T, ()>(
+            job,
+            &Chosen {
+                tangential,
+                across,
+                body_force: (),
+                width,
+            },
+            progress,
+        )
+    } else {
+        laned::<S, T, AffineDrag>(
+            job,
+            &Chosen {
+                tangential,
+                across,
+                body_force: AffineDrag { rate },
+                width,
+            },
+            progress,
+        )
+    }
+}
+
+fn laned<S: Shape, T: TangentialLaw, B: BodyForce>(
+    job: &Job<'_>,
+    chosen: &Chosen<With<S, T, B>>,
+    progress: &mut Progress<'_>,
+) -> Outcomes {
+    match job {
+        Job::Train {
+            spec,
+            stage,
+            state,
+            checkpoint,
+        } => Ok(vec![train::run(
+            spec,
+            stage,
+            (state, *checkpoint),
+            chosen,
+            progress,
+        )]),
+        Job::Recall(recalls) => match (recalls.specs[0].precision, recalls.specs.len()) {
+            (Precision::F64, 1) => recall::run::<F64x1, _>(recalls, chosen, progress),
+            (Precision::F64, _) => recall::run::<F64x8, _>(recalls, chosen, progress),
+            (Precision::F32, ..=8) => recall::run::<F32x8, _>(recalls, chosen, progress),
+            (Precision::F32, _) => recall::run::<F32x16, _>(recalls, chosen, progress),
+        },
+    }
+}
