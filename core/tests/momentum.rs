@@ -6,7 +6,7 @@ use granary_core::contact::TangentialLaw;
 use granary_core::contact::frictionless::Frictionless;
 use granary_core::grains::{Motion, Pose, UPRIGHT};
 use granary_core::lanes::{F64x1, F64x8, Row};
-use granary_core::math::plain::{norm, sub};
+use granary_core::math::plain::{add, norm, scale, sub};
 use granary_core::scene::Scene;
 use granary_core::shape::{Shape, Sphere, Tetrahedron};
 
@@ -19,18 +19,23 @@ use free_grains::{Free, HOOKE, Momenta, crowd, laws, momenta, scene, set_random_
 /// 2⁻⁵³: what one operation may round by.
 const ROUNDING: f64 = 1.1e-16;
 
-/// A crowd that its own overlaps drive apart, sliding and spinning, for 400 t_c.
+/// A crowd that runs together and apart again, sliding and spinning, for 400 t_c.
 fn momentum_is_kept<R: Row, S: Shape, T: TangentialLaw>(law: T, seed: u64) {
     let (grains, steps) = (12, 800);
     let mut scene: Scene<R, Free<S, T>> = scene(laws::<S, T>(law, 0.5), crowd::<S>(seed, grains));
     set_random_motions(&mut scene, seed, (0.02, 0.1));
+    for (i, k) in (0..grains).flat_map(|i| (0..R::K).map(move |k| (i, k))) {
+        let inward = scale(scene.grains.pose(i, k).position, -0.02);
+        let Motion { velocity, spin } = scene.grains.motion(i, k);
+        let velocity = add(velocity, inward);
+        scene.grains.set_motion(i, k, Motion { velocity, spin });
+    }
     let before: Vec<Momenta> = (0..R::K).map(|k| momenta(&scene, k)).collect();
-    // Sizes are largest in the crowd's violent beginning or at its far-flung end; twelve times the larger covers both.
     let mut largest = (0.0f64, 0.0f64);
     let mut contacts = 0;
     for step in 0..steps {
         scene.step();
-        contacts += scene.remembered(0).count();
+        contacts = contacts.max(scene.remembered(0).count());
         if step % 10 == 0 || step == steps - 1 {
             for k in 0..R::K {
                 let now = momenta(&scene, k);
@@ -39,7 +44,7 @@ fn momentum_is_kept<R: Row, S: Shape, T: TangentialLaw>(law: T, seed: u64) {
             }
         }
     }
-    assert!(contacts > 100, "the crowd hardly touched");
+    assert!(contacts > 6, "at most {contacts} contacts at once");
     // A step rounds each grain's momentum once per contact and twice in the kick: fewer than 20 times, each by at most
     // 2⁻⁵³ of the grain's share of the sizes. The bound lets all of them add up.
     let roundings = 20.0 * f64::from(steps) * ROUNDING;

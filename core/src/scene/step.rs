@@ -210,6 +210,7 @@ fn pair<L: Lane, P: Physics>(
         overlap_rate,
     );
     let mut force = normal.scale(normal_force);
+    let mut tangential = Vec3::zero();
     if P::Tangential::TANGENTIAL {
         let contact = Contact {
             normal,
@@ -221,7 +222,8 @@ fn pair<L: Lane, P: Physics>(
         let mut carried = <P::Tangential as TangentialLaw>::History::<L>::from_fn(|n| {
             L::load(&history.as_slice()[n])
         });
-        force = force + P::Tangential::force(&constants.tangential, &contact, &mut carried);
+        tangential = P::Tangential::force(&constants.tangential, &contact, &mut carried);
+        force = force + tangential;
         for (row, lanes) in history.as_mut_slice().iter_mut().zip(carried.as_slice()) {
             lanes.keep(touching).store(row);
         }
@@ -231,10 +233,16 @@ fn pair<L: Lane, P: Physics>(
     let on_j: Vec3<L> = grains.force[j].load();
     (on_j - force).store(&mut grains.force[j]);
     if P::SPINS {
+        // A sphere's arm lies along the normal force: without it, not even rounding spins a sphere that nothing pulls.
+        let turning = if P::ORIENTED {
+            force
+        } else {
+            tangential.keep(touching)
+        };
         // Lanes that do not touch may have an arm that is not a number: their torque must not see it.
-        load.torque = arm_i.keep(touching).cross_add(force, load.torque);
+        load.torque = arm_i.keep(touching).cross_add(turning, load.torque);
         let on_j: Vec3<L> = grains.torque[j].load();
-        force
+        turning
             .cross_add(arm_j.keep(touching), on_j)
             .store(&mut grains.torque[j]);
     }
