@@ -38,6 +38,8 @@ fn impacts<S: Shape>(time_step: f64, (speeds, spins): ((f64, f64), (f64, f64)), 
         let mut laws = laws::<S, Hooke>(HOOKE, time_step);
         laws.skin = 3.0;
         let mut scene: Scene<F64x8, Free<S, Hooke>> = scene(laws, vec![pose(0.0, 0), pose(apart, 1)]);
+        let mut draws = vec![];
+        let mut touching = [0; LANES];
         for k in 0..LANES {
             let draw = |n: u64| random3(seed, 10 + 10 * k as u64 + n);
             let unit = |n: u64| { let v = draw(n); scale(v, 1.0 / norm(v)) };
@@ -56,14 +58,20 @@ fn impacts<S: Shape>(time_step: f64, (speeds, spins): ((f64, f64), (f64, f64)), 
             let _ = c;
             scene.grains.set_motion(0, k, Motion { velocity: scale(along, 0.5 * speed), spin: spin(4, d) });
             scene.grains.set_motion(1, k, Motion { velocity: scale(along, -0.5 * speed), spin: spin(5, e) });
+            let n = scale(place, -1.0 / norm(place));
+            let rel = add(scale(along, speed), cross(add(spin(4, d), spin(5, e)), scale(n, -1.0)));
+            let vn = dot(rel, n);
+            draws.push((offset / apart, speed, norm(sub(rel, scale(n, vn))), vn));
         }
         scene.renew_contacts();
         let before: Vec<f64> = (0..LANES).map(|k| energy(&scene, k)).collect();
         let start: Vec<Motion> = (0..LANES).map(|k| scene.grains.motion(0, k)).collect();
+        let starts: Vec<Motion> = (0..LANES).map(|k| scene.grains.motion(1, k)).collect();
         let mut done = [false; LANES];
         let most = (6000.0 / time_step) as u64;
         for step in 0..most {
             scene.step();
+            for (k, t) in touching.iter_mut().enumerate() { let d = norm(sub(scene.grains.pose(1, k).position, scene.grains.pose(0, k).position)); *t += i32::from(d < 2.0); }
             if step % 16 == 15 {
                 for (k, done) in done.iter_mut().enumerate() {
                     let x = sub(scene.grains.pose(1, k).position, scene.grains.pose(0, k).position);
@@ -80,6 +88,8 @@ fn impacts<S: Shape>(time_step: f64, (speeds, spins): ((f64, f64), (f64, f64)), 
             let growth = energy(&scene, k) - before[k];
             if growth > 1e-12 * before[k] {
                 found.grown += 1;
+                let aa = draws[k];
+                println!("   k {k} b/D {:.6} w {:.5} spins {:?} {:?} growth {:e} of {:e}; contact-steps {}; v_t {:?} v_n {:.5} -> {:?} E after parts", aa.0, aa.1, start[k].spin, starts[k].spin, growth, before[k], touching[k], aa.2, aa.3, norm(sub(scene.grains.motion(1, k).velocity, scene.grains.motion(0, k).velocity)));
                 found.worst = found.worst.max(growth / before[k]);
                 found.worst_absolute = found.worst_absolute.max(growth);
                 let translational = 0.25 * body::<S>().mass * 4.0 * norm(start[k].velocity).powi(2);
@@ -92,11 +102,12 @@ fn impacts<S: Shape>(time_step: f64, (speeds, spins): ((f64, f64), (f64, f64)), 
 
 #[test]
 fn probe() {
-    for dt in [0.1, 1.0, 1.5] {
-        for spin in [0.0, 0.01, 0.03, 0.1, 0.3, 1.0] {
-            let n = if dt < 0.5 { 1600 } else { 8000 };
-            println!("sphere dt {dt} spin {spin}: {:?}", impacts::<Sphere>(dt, ((0.1 * GAS_SPEED, GAS_SPEED), (0.0, spin)), n));
-            println!("tetra  dt {dt} spin {spin}: {:?}", impacts::<Tetrahedron>(dt, ((0.1 * GAS_SPEED, GAS_SPEED), (0.0, spin)), n));
-        }
+    let s = ((0.2 * GAS_SPEED, GAS_SPEED), (0.0, 0.0));
+    for (dt, spin, n) in [(1.5, 0.02, 40000), (1.5, 0.05, 40000), (0.1, 1.0, 10000)] {
+        let t = std::time::Instant::now();
+        println!("sphere dt {dt} spin {spin}: {:?} {:?}", impacts::<Sphere>(dt, (s.0, (0.0, spin)), n), t.elapsed());
+        let t = std::time::Instant::now();
+        println!("tetra dt {dt} spin {spin}: {:?} {:?}", impacts::<Tetrahedron>(dt, (s.0, (0.0, spin)), n), t.elapsed());
     }
+    println!("tetra dt 1.5 spin 1: {:?}", impacts::<Tetrahedron>(1.5, (s.0, (0.0, 1.0)), 40000));
 }
