@@ -26,7 +26,9 @@ fn packs() -> &'static [Trained; 4] {
             Trained::new(tiny(json!({}))),
             Trained::new(tiny(json!({"drag": 0.01, "packing_seed": 2}))),
             Trained::new(tiny(json!({"shape": "sphere", "packing_seed": 3}))),
-            Trained::new(tiny(json!({"friction_coefficient": 0.0, "packing_seed": 4}))),
+            Trained::new(tiny(
+                json!({"friction_coefficient": 0.0, "packing_seed": 4}),
+            )),
         ]
     })
 }
@@ -82,7 +84,12 @@ fn interrupt(ensemble: &Ensemble<'_>, width: VectorWidth, step: u64) -> Vec<Vec<
     saved
 }
 
-fn resume(specs: &[StageSpec], input: &[u8], checkpoints: &[Vec<u8>], width: VectorWidth) -> Results {
+fn resume(
+    specs: &[StageSpec],
+    input: &[u8],
+    checkpoints: &[Vec<u8>],
+    width: VectorWidth,
+) -> Results {
     let ensemble = Ensemble {
         specs,
         input,
@@ -302,7 +309,12 @@ fn a_lane_that_the_guard_stops_leaves_the_others_alone() {
                 let saved = interrupt(&ensemble, VectorWidth::widest(), 1500);
                 let mut found = resume(&together, pack.state(), &saved, VectorWidth::widest());
                 assert_eq!(found.remove(place), stopped);
-                assert_same(&whole, &[0, 1, 2, 3], &found, "resumed beside a stopped lane");
+                assert_same(
+                    &whole,
+                    &[0, 1, 2, 3],
+                    &found,
+                    "resumed beside a stopped lane",
+                );
             }
         }
     }

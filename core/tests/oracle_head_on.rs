@@ -145,7 +145,10 @@ fn trajectories_are_the_oracles_step_by_step() {
             // The oracle's velocity is that of the whole step: the mean of the half steps around it.
             let whole = 0.5 * (before + after);
             let expected = v * units.time / units.length;
-            assert!((whole - expected).abs() < 1e-10 * speed, "{whole} {expected}");
+            assert!(
+                (whole - expected).abs() < 1e-10 * speed,
+                "{whole} {expected}"
+            );
             let kick = (after - before) * scene.laws.body.mass / time_step;
             let newton = force / (units.pressure * units.length * units.length);
             // Forces are second differences of positions near 1 R in both codes.
