@@ -9,11 +9,12 @@ use std::collections::BTreeMap;
 use granary_core::identity::{ArtifactHash, ResultHash};
 use granary_core::stage::{StageFailure, StageSpec};
 use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
 
 use crate::id::{JobId, LeaseId, WorkerId};
 
 /// `POST /leases`: what the worker can do.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct LeaseRequest {
     /// Who asks.
@@ -29,7 +30,7 @@ pub struct LeaseRequest {
 }
 
 /// The jobs of one ensemble, under one lease.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, ToSchema)]
 pub struct LeaseGrant {
     /// The lease; `jobs` is never empty.
     pub lease: LeaseId,
@@ -40,21 +41,25 @@ pub struct LeaseGrant {
 }
 
 /// One job of a lease.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, ToSchema)]
 pub struct LeasedJob {
     /// The job.
+    #[schema(value_type = String)]
     pub job: JobId,
     /// What to compute.
+    #[schema(value_type = Object)]
     #[serde(flatten)]
     pub spec: StageSpec,
     /// The state that it starts from; none for `pack`. The same for every job of a lease.
+    #[schema(value_type = Option<String>)]
     pub input: Option<ArtifactHash>,
     /// The latest checkpoint of an earlier attempt.
+    #[schema(value_type = Option<String>)]
     pub checkpoint: Option<ArtifactHash>,
 }
 
 /// `POST /leases/{lease}/heartbeat`: I live, and this is how far I am.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Heartbeat {
     /// Progress of each job still held.
@@ -62,28 +67,31 @@ pub struct Heartbeat {
 }
 
 /// How far one job is.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct JobProgress {
     /// The job.
+    #[schema(value_type = String)]
     pub job: JobId,
     /// Steps done.
     pub step: u64,
     /// Steps in all.
     pub steps: u64,
     /// The latest checkpoint, already stored as an artifact.
+    #[schema(value_type = Option<String>)]
     pub checkpoint: Option<ArtifactHash>,
 }
 
 /// The answer to a heartbeat.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, ToSchema)]
 pub struct HeartbeatReply {
     /// Jobs of this lease that the worker should drop: cancelled, or no longer under this lease.
+    #[schema(value_type = Vec<String>)]
     pub stop: Vec<JobId>,
 }
 
 /// `POST /leases/{lease}/complete`: outcomes of some or all jobs of the lease.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Completion {
     /// One per finished job; all are recorded, or none.
@@ -91,25 +99,28 @@ pub struct Completion {
 }
 
 /// What one job yielded; its artifacts are already stored.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct JobOutcome {
     /// The job.
+    #[schema(value_type = String)]
     pub job: JobId,
     /// Scalars by name.
     pub results: BTreeMap<String, Option<f64>>,
     /// Files by name.
+    #[schema(value_type = BTreeMap<String, String>)]
     pub artifacts: BTreeMap<String, ArtifactHash>,
     /// What a reader of the numbers should know.
     pub warnings: Vec<String>,
     /// The hash of the above, as [`granary_core::stage::Outcome::hash`] makes it.
+    #[schema(value_type = String)]
     pub result_hash: ResultHash,
     /// Where and how it was computed.
     pub provenance: Provenance,
 }
 
 /// Where and how an outcome was computed: kept beside it, never part of its hash.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Provenance {
     /// Release of the program.
@@ -131,7 +142,7 @@ pub struct Provenance {
 }
 
 /// `POST /leases/{lease}/fail`: some jobs cannot be finished.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct FailureReport {
     /// One per failed job.
@@ -141,17 +152,19 @@ pub struct FailureReport {
 /// Why one job failed.
 ///
 /// `stopped` is final (the physics broke down); `input` is a fault of the machine and is tried again.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct JobFailure {
     /// The job.
+    #[schema(value_type = String)]
     pub job: JobId,
     /// Why.
+    #[schema(value_type = Object)]
     pub failure: StageFailure,
 }
 
 /// `POST /leases/{lease}/release`: hands jobs back untouched, with the latest checkpoint of each.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Release {
     /// The jobs handed back, with their progress.

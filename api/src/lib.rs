@@ -4,5 +4,11 @@
 //! Errors are [`problem::Problem`] documents (RFC 9457).
 
 pub mod id;
-pub mod lease;
 pub mod problem;
+
+pub mod job;
+pub mod lease;
+pub mod model;
+pub mod sweep;
+pub mod table;
+pub mod token;

@@ -1,9 +1,10 @@
 //! Problem documents (RFC 9457): the one shape of every error.
 
 use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
 
 /// `application/problem+json`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct Problem {
     /// Which rule was broken, as a path: `/problems/invalid-sweep`.
     #[serde(rename = "type")]
@@ -21,7 +22,7 @@ pub struct Problem {
 }
 
 /// One mistake in a request.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 pub struct Mistake {
     /// Where, as a JSON pointer (RFC 6901).
     pub pointer: String,

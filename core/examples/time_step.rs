@@ -1,4 +1,4 @@
-//! Times steps of a pack file: `time_step PACK.json [STEPS]`.
+//! Times steps of a pack file: `time_step PACK.json [STEPS [WIDTH/PRECISION/LANES]]`.
 #![expect(
     clippy::print_stdout,
     reason = "an example that prints what it measures"
@@ -33,7 +33,8 @@ fn main() {
             (Precision::F32, 8),
             (Precision::F32, 16),
         ] {
-            if width == VectorWidth::PORTABLE && lanes > 1 {
+            let name = format!("{}/{precision:?}/{lanes}", width.name());
+            if !name.contains(arguments.get(3).map_or("avx", String::as_str)) {
                 continue;
             }
             let settings = Settings {

@@ -6,10 +6,10 @@ use serde::Deserialize;
 
 use crate::contact::hooke::Hooke;
 use crate::grains::{Grains, Pose, UPRIGHT};
-use crate::lanes::{F32x8, F32x16, F64x1, F64x8, Row, VectorWidth};
+use crate::lanes::{F32x8, F32x16, F64x1, F64x8, VectorWidth};
 use crate::material::{Material, Units};
 use crate::memory::spec::{Precision, ShapeName};
-use crate::scene::{Laws, Physics, Scene, With};
+use crate::scene::{Laws, Physics, Replicas, Scene, With};
 use crate::shape::{Body, Sphere, Tetrahedron};
 use crate::wall::Walls;
 
@@ -81,7 +81,7 @@ pub struct Size {
     pub renewals: u64,
 }
 
-impl<R: Row, P: Physics> Bench for Scene<R, P> {
+impl<R: Replicas, P: Physics> Bench for Scene<R, P> {
     fn run(&mut self, steps: u64) {
         for _ in 0..steps {
             self.step();
@@ -131,7 +131,7 @@ fn with_shape<S: crate::shape::Shape>(
     }
 }
 
-fn scene<R: Row, S: crate::shape::Shape>(
+fn scene<R: Replicas, S: crate::shape::Shape>(
     pack: &PackFile,
     settings: &Settings,
     body: Body,

@@ -4,7 +4,7 @@
 //! the small differences that carry a memory (MEMORY §4).
 //! Velocities and spins are those of the last half step.
 
-use crate::lanes::{Lane, Row, Scalar};
+use crate::lanes::{Row, Scalar};
 use crate::math::{Quaternion, Vec3, plain};
 use crate::shape::Body;
 
@@ -225,40 +225,5 @@ impl<R: Row> Grains<R> {
             + vectors * size_of::<Vec3<R>>()
             + self.turn.len() * size_of::<Quaternion<R>>();
         total / n
-    }
-}
-
-/// One grain in registers.
-#[derive(Clone, Copy)]
-pub(crate) struct LoadedGrain<L> {
-    pub(crate) displacement: Vec3<L>,
-    pub(crate) turn: Quaternion<L>,
-}
-
-impl<R: Row> Grains<R> {
-    /// Where grain `i` is, for every replica; `oriented` is a constant of the shape.
-    #[inline(always)]
-    pub(crate) fn load<L: Lane<Row = R>>(&self, i: usize, oriented: bool) -> LoadedGrain<L> {
-        let displacement = self.displacement[i].load();
-        let turn = if oriented {
-            self.turn[i].load()
-        } else {
-            Quaternion {
-                w: L::constant(1.0),
-                v: Vec3::zero(),
-            }
-        };
-        LoadedGrain { displacement, turn }
-    }
-
-    /// The reference arm of sphere `a` of grain `i`, the same in every replica.
-    #[inline(always)]
-    pub(crate) fn broadcast_arm<L: Lane<Row = R, Scalar = R::Scalar>>(
-        &self,
-        i: usize,
-        a: usize,
-        spheres: usize,
-    ) -> Vec3<L> {
-        Vec3::broadcast(self.lane_arms[spheres * i + a])
     }
 }

@@ -2,10 +2,10 @@
 //!
 //! It never lets a plausible wrong number pass: a stopped replica has a reason and a remedy, and no outcome.
 
-use crate::lanes::{Row, Scalar};
+use crate::lanes::Scalar;
 use crate::math::Vec3;
 use crate::observable::Observation;
-use crate::scene::{Physics, Scene};
+use crate::scene::{Physics, Replicas, Scene};
 
 /// Overlap beyond which two spheres are no longer the ones that Hertz's law describes \[R\].
 pub const LARGEST_OVERLAP: f64 = 0.5;
@@ -112,7 +112,11 @@ impl Guard {
 ///
 /// Motion that the time step resolves gives far less than 1; an unstable mode changes sign at every step and gives more.
 #[must_use]
-pub fn alternation<R: Row, P: Physics>(before: &[Vec3<R>], scene: &Scene<R, P>, k: usize) -> f64 {
+pub fn alternation<R: Replicas, P: Physics>(
+    before: &[Vec3<R>],
+    scene: &Scene<R, P>,
+    k: usize,
+) -> f64 {
     let (mut changing, mut lasting) = (0.0, 0.0);
     for (before, after) in before.iter().zip(&scene.grains.velocity) {
         for (old, new) in [

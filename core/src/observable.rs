@@ -4,9 +4,9 @@ pub mod critical_time_step;
 
 use serde::{Deserialize, Serialize};
 
-use crate::lanes::{Row, Scalar, dispatch};
+use crate::lanes::{Scalar, dispatch};
 use crate::scene::survey::Survey;
-use crate::scene::{Physics, Scene};
+use crate::scene::{Physics, Replicas, Scene};
 
 /// What a survey of one replica finds.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -35,7 +35,7 @@ impl Observation {
 
 /// Observes every replica at its present positions and last velocities.
 #[must_use]
-pub fn observe<R: Row, P: Physics>(scene: &Scene<R, P>) -> Vec<Observation> {
+pub fn observe<R: Replicas, P: Physics>(scene: &Scene<R, P>) -> Vec<Observation> {
     let sums = dispatch::<R, _>(scene.laws.width, Survey { scene });
     let n = scene.grains.len() as f64;
     let body = &scene.laws.body;

@@ -2,8 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::lanes::Row;
-use crate::scene::{Physics, Scene};
+use crate::scene::{Physics, Replicas, Scene};
 
 /// The box of one replica, about the origin: extents along x and y \[R\].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,7 +32,7 @@ impl Box2 {
 }
 
 /// Moves the ±x and ±y walls of replica `k` to the box `to` within one step.
-pub fn move_box<R: Row, P: Physics>(scene: &mut Scene<R, P>, k: usize, to: Box2) {
+pub fn move_box<R: Replicas, P: Physics>(scene: &mut Scene<R, P>, k: usize, to: Box2) {
     let time_step = scene.laws.time_step;
     let rate = |now: f64, to: f64| (to - now) / (time_step * to);
     let affine = [
@@ -79,7 +78,7 @@ impl Servo {
     }
 
     /// Moves the +z wall by one step.
-    pub fn advance<R: Row, P: Physics>(&self, scene: &mut Scene<R, P>) {
+    pub fn advance<R: Replicas, P: Physics>(&self, scene: &mut Scene<R, P>) {
         let drive = (self.smoothed / self.target - 1.0).clamp(-1.0, 1.0);
         let speed = self.speed * if drive > 0.0 { 0.1 * drive } else { drive };
         let time_step = scene.laws.time_step;
@@ -88,7 +87,7 @@ impl Servo {
     }
 
     /// Takes in the pressure of the last step.
-    pub fn feel<R: Row, P: Physics>(&mut self, scene: &Scene<R, P>) {
+    pub fn feel<R: Replicas, P: Physics>(&mut self, scene: &Scene<R, P>) {
         let area = scene.walls.extent(0, 0) * scene.walls.extent(1, 0);
         let pressure = scene.walls.force[Self::UP][0] / area;
         self.smoothed += (pressure - self.smoothed) * (scene.laws.time_step / 20.0).min(1.0);

@@ -3,13 +3,16 @@
 use crate::contact::{Components, TangentialLaw};
 use crate::force::{AffineRate, BodyForce};
 use crate::grains::Grains;
-use crate::lanes::{Row, Scalar, VectorWidth, dispatch};
+use crate::lanes::{F32x8, F32x16, F64x1, F64x8, Row, Scalar, VectorWidth, dispatch};
 use crate::material::Material;
 use crate::neighbor::Key;
 use crate::shape::{Body, Shape};
 use crate::wall::Walls;
 
 pub(crate) mod contacts;
+mod interact;
+mod lone;
+mod motion;
 pub(crate) mod step;
 pub(crate) mod survey;
 
@@ -59,6 +62,31 @@ pub struct Laws<P: Physics> {
     pub width: VectorWidth,
 }
 
+/// How K replicas take a step: the lanes of a vector are replicas, or, for a lone run, contacts.
+pub trait Replicas: Row {
+    /// Takes one step; returns how far anything can have moved \[R\].
+    #[doc(hidden)]
+    fn step<P: Physics>(scene: &mut Scene<Self, P>) -> f64;
+}
+
+impl Replicas for F64x1 {
+    fn step<P: Physics>(scene: &mut Scene<Self, P>) -> f64 {
+        dispatch::<F64x8, _>(scene.laws.width, lone::LoneStep { scene })
+    }
+}
+
+macro_rules! side_by_side {
+    ($($row:ty),*) => {$(
+        impl Replicas for $row {
+            fn step<P: Physics>(scene: &mut Scene<Self, P>) -> f64 {
+                dispatch::<Self, _>(scene.laws.width, step::Step { scene })
+            }
+        }
+    )*};
+}
+
+side_by_side!(F64x8, F32x8, F32x16);
+
 /// Grains, walls and contacts in K replicas.
 #[derive(Clone)]
 pub struct Scene<R: Row, P: Physics> {
@@ -75,7 +103,7 @@ pub struct Scene<R: Row, P: Physics> {
     running: Vec<bool>,
 }
 
-impl<R: Row, P: Physics> Scene<R, P> {
+impl<R: Replicas, P: Physics> Scene<R, P> {
     /// A scene whose replicas all stand where `grains` and `walls` say.
     #[must_use]
     pub fn new(laws: Laws<P>, grains: Grains<R>, walls: Walls<R>) -> Self {
@@ -100,8 +128,7 @@ impl<R: Row, P: Physics> Scene<R, P> {
     ///
     /// The caller has put the walls where they are at the present positions.
     pub fn step(&mut self) {
-        let width = self.laws.width;
-        let swept = dispatch::<R, _>(width, step::Step { scene: self });
+        let swept = R::step(self);
         let reach = self.laws.body.reach();
         let live = Live {
             leader: leader(&self.running),

@@ -9,9 +9,9 @@ use granary_core::contact::TangentialLaw;
 use granary_core::contact::frictionless::Frictionless;
 use granary_core::contact::hooke::Hooke;
 use granary_core::grains::Pose;
-use granary_core::lanes::{F32x16, F64x1, F64x8, Row};
+use granary_core::lanes::{F32x16, F64x1, F64x8};
 use granary_core::protocol::{Box2, move_box};
-use granary_core::scene::{Scene, history_components};
+use granary_core::scene::{Replicas, Scene, history_components};
 use granary_core::shape::{Shape, Sphere, Tetrahedron};
 use granary_core::wall::Walls;
 
@@ -56,7 +56,7 @@ const NO_FRICTION: Hooke = Hooke {
 };
 
 /// The bits of every grain's displacement and velocity, and of its turn and spin if it is oriented.
-fn trajectory<R: Row, S: Shape, T: TangentialLaw>(law: T, seed: u64) -> Vec<u64> {
+fn trajectory<R: Replicas, S: Shape, T: TangentialLaw>(law: T, seed: u64) -> Vec<u64> {
     let mut scene: Scene<R, Free<S, T>> = scene(laws::<S, T>(law, 0.7), crowd::<S>(seed, 16));
     set_random_motions(&mut scene, seed, (0.02, 0.0));
     let mut bits = vec![];
@@ -79,7 +79,7 @@ fn trajectory<R: Row, S: Shape, T: TangentialLaw>(law: T, seed: u64) -> Vec<u64>
 }
 
 /// Asserts that all of it is the same without friction as under μ = 0.
-fn assert_same<R: Row, S: Shape>() {
+fn assert_same<R: Replicas, S: Shape>() {
     for seed in 0..10 {
         let without = trajectory::<R, S, _>(Frictionless, seed);
         let zero = trajectory::<R, S, _>(NO_FRICTION, seed);
@@ -128,7 +128,7 @@ fn a_sphere_has_no_orientation_and_a_smooth_one_no_spin() {
 }
 
 /// Requests for memory while a box of grains breathes, once it has done so before.
-fn requests_when_warm<R: Row, S: Shape, T: TangentialLaw>(law: T) -> (usize, u64) {
+fn requests_when_warm<R: Replicas, S: Shape, T: TangentialLaw>(law: T) -> (usize, u64) {
     let poses: Vec<Pose> = crowd::<S>(2, 40);
     let laws = laws::<S, T>(law, 0.5);
     let grains = granary_core::grains::Grains::at_rest(poses, &laws.body, true);

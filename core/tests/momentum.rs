@@ -5,9 +5,9 @@
 use granary_core::contact::TangentialLaw;
 use granary_core::contact::frictionless::Frictionless;
 use granary_core::grains::{Motion, Pose, UPRIGHT};
-use granary_core::lanes::{F64x1, F64x8, Row};
+use granary_core::lanes::{F64x1, F64x8};
 use granary_core::math::plain::{add, norm, scale, sub};
-use granary_core::scene::Scene;
+use granary_core::scene::{Replicas, Scene};
 use granary_core::shape::{Shape, Sphere, Tetrahedron};
 
 #[path = "fixture/free_grains.rs"]
@@ -20,7 +20,7 @@ use free_grains::{Free, HOOKE, Momenta, crowd, laws, momenta, scene, set_random_
 const ROUNDING: f64 = 1.1e-16;
 
 /// A crowd that runs together and apart again, sliding and spinning, for 400 t_c.
-fn momentum_is_kept<R: Row, S: Shape, T: TangentialLaw>(law: T, seed: u64) {
+fn momentum_is_kept<R: Replicas, S: Shape, T: TangentialLaw>(law: T, seed: u64) {
     let (grains, steps) = (12, 800);
     let mut scene: Scene<R, Free<S, T>> = scene(laws::<S, T>(law, 0.5), crowd::<S>(seed, grains));
     set_random_motions(&mut scene, seed, (0.02, 0.1));

@@ -5,11 +5,11 @@
 use granary_core::contact::hooke::Hooke;
 use granary_core::contact::{Contact, TangentialLaw};
 use granary_core::grains::{Grains, Motion, Pose};
-use granary_core::lanes::{F64x1, F64x8, Row};
+use granary_core::lanes::{F64x1, F64x8};
 use granary_core::math::Vec3;
 use granary_core::math::plain::{add, compose, dot, norm, rotate, scale, sub};
 use granary_core::neighbor::{CellGrid, Rows, Spheres, all_pairs};
-use granary_core::scene::Scene;
+use granary_core::scene::{Replicas, Scene};
 use granary_core::shape::{Shape, Sphere, Tetrahedron};
 use granary_core::wall::Walls;
 use proptest::prelude::*;
@@ -151,7 +151,7 @@ fn frame_is_indifferent<S: Shape>(seed: u64, turn: [f64; 4], drift: [f64; 3]) ->
 }
 
 /// The momentum that one step gives the two grains of an overlapping pair, and the sizes of what each gets.
-fn recoil<R: Row, S: Shape>(seed: u64, distance: f64) -> ([f64; 3], f64) {
+fn recoil<R: Replicas, S: Shape>(seed: u64, distance: f64) -> ([f64; 3], f64) {
     let along = random3(seed, 0);
     let place = scale(along, distance / norm(along));
     let pose = |position, n| Pose {
@@ -174,7 +174,7 @@ fn recoil<R: Row, S: Shape>(seed: u64, distance: f64) -> ([f64; 3], f64) {
     (add(a, b), norm(a) + norm(b))
 }
 
-fn vector<R: Row>(value: [f64; 3]) -> Vec3<R> {
+fn vector<R: Replicas>(value: [f64; 3]) -> Vec3<R> {
     let mut row = Vec3::<R>::default();
     for k in 0..R::K {
         row.set_lane(k, value);

@@ -1,8 +1,7 @@
 //! Long validation: what a shortcut costs in 𝒢 and 𝓕, and whether the scores are where they must be.
 //!
 //! Source: MEMORY §§4, 6. Differences within one pack are sharp; the scores of small packs scatter by 20 %.
-//! Not part of the default run: `cargo nextest run -p granary-core --profile validate`.
-//! Under plain `cargo test` every claim here returns at once, since no profile asked for it.
+//! Not part of the default run: `make validate WHAT=numerics` or `WHAT=packs`, by the feature `validation`.
 
 use granary_core::lanes::VectorWidth;
 use granary_core::memory::score::{Dots, Processing, Score, Signal};
@@ -16,11 +15,6 @@ use serde_json::Value;
 mod tiny_pack;
 
 use tiny_pack::{finish, outcome};
-
-/// Whether the profile that these minutes belong to was asked for.
-fn asked() -> bool {
-    std::env::var("NEXTEST_PROFILE").is_ok_and(|profile| profile == "validate")
-}
 
 /// A point of preset `standard` with N grains.
 fn point(grains: u32, packing_seed: u64) -> MemoryPoint {
@@ -79,75 +73,71 @@ fn score(point: &MemoryPoint, packed: &Outcome) -> (f64, f64) {
     (gain, fidelity)
 }
 
-#[test]
-fn the_time_step_moves_the_score_by_less_than_half_a_percent() {
-    if !asked() {
-        return;
-    }
-    // MEMORY §4: 0.3 % and 0.006 over all steps from 0.1 to 1.9 t_c on one pack; the claim is 0.5 % and 0.008.
-    let base = MemoryPoint {
-        precision: Precision::F64,
-        ..point(325, 1)
-    };
-    let packed = pack(&base);
-    let scores = [0.2, 1.0, 1.5].map(|time_step| {
-        let point = MemoryPoint {
-            time_step,
-            ..base.clone()
+mod numerics {
+    use super::*;
+
+    #[test]
+    fn the_time_step_moves_the_score_by_less_than_half_a_percent() {
+        // MEMORY §4: 0.3 % and 0.006 over all steps from 0.1 to 1.9 t_c on one pack; the claim is 0.5 % and 0.008.
+        let base = MemoryPoint {
+            precision: Precision::F64,
+            ..point(325, 1)
         };
-        score(&point, &packed)
-    });
-    for (gain, fidelity) in scores {
-        assert!((gain / scores[0].0 - 1.0).abs() < 5e-3, "{scores:?}");
-        assert!((fidelity - scores[0].1).abs() < 8e-3, "{scores:?}");
+        let packed = pack(&base);
+        let scores = [0.2, 1.0, 1.5].map(|time_step| {
+            let point = MemoryPoint {
+                time_step,
+                ..base.clone()
+            };
+            score(&point, &packed)
+        });
+        for (gain, fidelity) in scores {
+            assert!((gain / scores[0].0 - 1.0).abs() < 5e-3, "{scores:?}");
+            assert!((fidelity - scores[0].1).abs() < 8e-3, "{scores:?}");
+        }
+    }
+
+    #[test]
+    fn single_precision_keeps_the_score() {
+        // MEMORY §4: 118,664 Pa and 0.8748 in f32, 118,656 Pa and 0.8749 in f64.
+        let base = point(325, 1);
+        let packed = pack(&base);
+        let [single, double] = [Precision::F32, Precision::F64].map(|precision| {
+            let point = MemoryPoint {
+                precision,
+                ..base.clone()
+            };
+            score(&point, &packed)
+        });
+        assert!(
+            (single.0 / double.0 - 1.0).abs() < 1e-3,
+            "{single:?} {double:?}"
+        );
+        assert!((single.1 - double.1).abs() < 1e-3, "{single:?} {double:?}");
     }
 }
 
-#[test]
-fn single_precision_keeps_the_score() {
-    if !asked() {
-        return;
+mod packs {
+    use super::*;
+
+    #[test]
+    fn frictional_packs_of_1024_remember() {
+        for seed in 1..=3 {
+            let point = point(1024, seed);
+            let packed = pack(&point);
+            let (gain, fidelity) = score(&point, &packed);
+            assert!((120.0..=170.0).contains(&gain), "seed {seed}: {gain} kPa");
+            assert!(fidelity > 0.70, "seed {seed}: {fidelity}");
+        }
     }
-    // MEMORY §4: 118,664 Pa and 0.8748 in f32, 118,656 Pa and 0.8749 in f64.
-    let base = point(325, 1);
-    let packed = pack(&base);
-    let [single, double] = [Precision::F32, Precision::F64].map(|precision| {
+
+    #[test]
+    fn a_pack_without_friction_does_not_remember() {
         let point = MemoryPoint {
-            precision,
-            ..base.clone()
+            friction_coefficient: 0.0,
+            ..point(1024, 1)
         };
-        score(&point, &packed)
-    });
-    assert!(
-        (single.0 / double.0 - 1.0).abs() < 1e-3,
-        "{single:?} {double:?}"
-    );
-    assert!((single.1 - double.1).abs() < 1e-3, "{single:?} {double:?}");
-}
-
-#[test]
-fn frictional_packs_of_1024_remember() {
-    if !asked() {
-        return;
+        let (_, fidelity) = score(&point, &pack(&point));
+        assert!(fidelity < 0.3, "{fidelity}");
     }
-    for seed in 1..=3 {
-        let point = point(1024, seed);
-        let packed = pack(&point);
-        let (gain, fidelity) = score(&point, &packed);
-        assert!((120.0..=170.0).contains(&gain), "seed {seed}: {gain} kPa");
-        assert!(fidelity > 0.70, "seed {seed}: {fidelity}");
-    }
-}
-
-#[test]
-fn a_pack_without_friction_does_not_remember() {
-    if !asked() {
-        return;
-    }
-    let point = MemoryPoint {
-        friction_coefficient: 0.0,
-        ..point(1024, 1)
-    };
-    let (_, fidelity) = score(&point, &pack(&point));
-    assert!(fidelity < 0.3, "{fidelity}");
 }

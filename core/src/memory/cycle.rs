@@ -4,12 +4,11 @@ use serde::{Deserialize, Serialize};
 
 use super::waveform::{Bumps, SAMPLES};
 use crate::guard::{Guard, Stop, alternation};
-use crate::lanes::Row;
 use crate::math::Vec3;
 use crate::observable::critical_time_step::{Across, critical_time_step};
 use crate::observable::{Observation, observe};
 use crate::protocol::{Box2, move_box};
-use crate::scene::{Physics, Scene};
+use crate::scene::{Physics, Replicas, Scene};
 
 /// How often the caller is asked whether to go on \[steps\].
 pub(crate) const REPORT_EVERY: u64 = 100;
@@ -189,7 +188,7 @@ impl Track {
 }
 
 /// Replicas going through a cycle.
-pub struct Drive<R: Row, P: Physics> {
+pub struct Drive<R: Replicas, P: Physics> {
     /// The replicas.
     pub scene: Scene<R, P>,
     /// What they go through.
@@ -208,7 +207,7 @@ pub struct Drive<R: Row, P: Physics> {
     before: Vec<Vec3<R>>,
 }
 
-impl<R: Row, P: Physics> Drive<R, P> {
+impl<R: Replicas, P: Physics> Drive<R, P> {
     /// Replicas at the first step of `cycle`; `critical_at_start` as measured in the common state at its start.
     #[must_use]
     pub fn new(

@@ -15,10 +15,9 @@ use super::{hold_steps, ramp_steps};
 use crate::grains::Grains;
 use crate::guard::Stop;
 use crate::identity::canonical_json;
-use crate::lanes::Row;
 use crate::observable::critical_time_step::critical_time_step;
 use crate::outcome::{HISTORY, Outcome, SIGNAL, StageFailure};
-use crate::scene::{Physics, Scene};
+use crate::scene::{Physics, Replicas, Scene};
 use crate::wall::Walls;
 
 /// The series of a recall, in order.
@@ -51,7 +50,7 @@ pub(crate) struct Recalls<'a> {
 }
 
 /// Runs all recalls, or goes on from their checkpoints; one result for each.
-pub(crate) fn run<R: Row, P: Physics>(
+pub(crate) fn run<R: Replicas, P: Physics>(
     recalls: &Recalls<'_>,
     chosen: &Chosen<P>,
     progress: &mut Progress<'_>,
@@ -116,7 +115,7 @@ fn programs(recalls: &Recalls<'_>) -> Vec<Program> {
         .collect()
 }
 
-fn begun<R: Row, P: Physics>(
+fn begun<R: Replicas, P: Physics>(
     recalls: &Recalls<'_>,
     chosen: &Chosen<P>,
 ) -> Result<Drive<R, P>, StageFailure> {
@@ -147,7 +146,7 @@ fn begun<R: Row, P: Physics>(
     ))
 }
 
-fn resumed<R: Row, P: Physics>(
+fn resumed<R: Replicas, P: Physics>(
     recalls: &Recalls<'_>,
     checkpoints: &[Vec<u8>],
     chosen: &Chosen<P>,
@@ -189,7 +188,7 @@ fn resumed<R: Row, P: Physics>(
     Ok(drive)
 }
 
-fn outcome<R: Row, P: Physics>(
+fn outcome<R: Replicas, P: Physics>(
     spec: &RecallSpec,
     past: &Past,
     drive: &Drive<R, P>,

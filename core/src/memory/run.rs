@@ -11,10 +11,9 @@ use super::state::{Checkpoint, PackState, Past, Remembered};
 use super::waveform::Waveform;
 use crate::grains::{Grains, Pose};
 use crate::guard::Stop;
-use crate::lanes::Row;
 use crate::observable::Observation;
 use crate::outcome::{Report, StageFailure, Watch};
-use crate::scene::{Laws, Physics, Scene, history_components};
+use crate::scene::{Laws, Physics, Replicas, Scene, history_components};
 use crate::wall::{WALLS, Walls};
 
 /// The caller, and how many steps it was told to expect.
@@ -62,7 +61,7 @@ pub(crate) fn silent() -> Program {
 }
 
 /// Steps `drive` up to, not including, step `end` of its cycle; `before` steps of the stage came first.
-pub(crate) fn drive<R: Row, P: Physics>(
+pub(crate) fn drive<R: Replicas, P: Physics>(
     drive: &mut Drive<R, P>,
     (before, end): (u64, u64),
     progress: &mut Progress<'_>,
@@ -81,7 +80,7 @@ pub(crate) fn drive<R: Row, P: Physics>(
 }
 
 /// The complete state of replica `k`.
-pub(crate) fn checkpoint_of<R: Row, P: Physics, H>(
+pub(crate) fn checkpoint_of<R: Replicas, P: Physics, H>(
     scene: &Scene<R, P>,
     k: usize,
     header: H,
@@ -103,7 +102,7 @@ pub(crate) fn checkpoint_of<R: Row, P: Physics, H>(
     }
 }
 
-fn remembered<R: Row, P: Physics>(scene: &Scene<R, P>, k: usize) -> Vec<Remembered> {
+fn remembered<R: Replicas, P: Physics>(scene: &Scene<R, P>, k: usize) -> Vec<Remembered> {
     if history_components::<P::Tangential>() == 0 {
         return vec![];
     }
@@ -133,7 +132,7 @@ pub(crate) fn read_checkpoint<H: Serialize + DeserializeOwned>(
 }
 
 /// A scene whose replica k is as `saved[k]` says; replicas beyond repeat the first.
-pub(crate) fn restored<R: Row, P: Physics, H>(
+pub(crate) fn restored<R: Replicas, P: Physics, H>(
     laws: Laws<P>,
     walls: [f64; WALLS],
     saved: &[Checkpoint<H>],
@@ -163,7 +162,7 @@ pub(crate) fn restored<R: Row, P: Physics, H>(
 }
 
 /// Gives replica `k` what its contacts remember.
-pub(crate) fn give_memory<R: Row, P: Physics>(
+pub(crate) fn give_memory<R: Replicas, P: Physics>(
     scene: &mut Scene<R, P>,
     k: usize,
     contacts: &[Remembered],
@@ -182,7 +181,7 @@ pub(crate) fn give_memory<R: Row, P: Physics>(
 }
 
 /// The pack as the next stage will find it, from a lone run.
-pub(crate) fn state_of<R: Row, P: Physics>(scene: &Scene<R, P>, past: Past) -> PackState {
+pub(crate) fn state_of<R: Replicas, P: Physics>(scene: &Scene<R, P>, past: Past) -> PackState {
     let grains = &scene.grains;
     PackState {
         past,

@@ -289,12 +289,18 @@ impl MemoryPoint {
     }
 
     /// The stage `recall` of this point, in the trained pack named `train`.
+    ///
+    /// The zero waveform has no amplitude: its γ0 is 0 whatever the user said, so that it is run once per trained pack.
     #[must_use]
     pub fn recall(&self, train: StageId) -> RecallSpec {
         RecallSpec {
             train,
             waveform: self.waveform.clone(),
-            gamma0: self.gamma0,
+            gamma0: if self.waveform == Waveform::Zero {
+                0.0
+            } else {
+                self.gamma0
+            },
             time_step: self.time_step,
             ramp: self.ramp,
             drag: self.drag,
@@ -354,6 +360,20 @@ mod tests {
             ..point("standard")
         };
         assert_eq!(tetra.pack(), sphere.pack());
+    }
+
+    #[test]
+    fn zero_waveform_is_one_recall_per_trained_pack_and_names_its_ensemble() {
+        let train = StageId::of_bytes(b"trained");
+        let zero = |gamma0| {
+            let point = MemoryPoint {
+                gamma0,
+                ..point("standard")
+            };
+            crate::stage::StageSpec::Recall(point.recall(train))
+        };
+        assert_eq!(zero(1e-3).id(), zero(2e-3).id());
+        assert_eq!(zero(1e-3).id(), zero(1e-3).ensemble_key());
     }
 
     #[test]

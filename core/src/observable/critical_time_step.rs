@@ -5,9 +5,8 @@
 //! The largest κ and its c are found by power iteration with the tangent stiffness of every contact:
 //! (3/2) k_n √p along the normal, k across it (law-dependent), damping likewise.
 
-use crate::lanes::Row;
 use crate::math::plain::{add, cross, dot, scale, sub};
-use crate::scene::{Physics, Scene};
+use crate::scene::{Physics, Replicas, Scene};
 use crate::wall::{WALLS, axis, inward};
 
 /// Iterations from a rough start: the top of the spectrum is dense, so the estimate is a lower bound good to about 2 %.
@@ -41,7 +40,7 @@ pub struct Across {
 
 /// The critical time step of replica `k` \[t_c\]; `f64::MAX` if nothing touches.
 #[must_use]
-pub fn critical_time_step<R: Row, P: Physics>(
+pub fn critical_time_step<R: Replicas, P: Physics>(
     scene: &Scene<R, P>,
     k: usize,
     across: Across,
@@ -111,7 +110,11 @@ fn apply(tangents: &[Tangent], mode: &Mode, image: &mut Mode) -> (f64, f64) {
     (stiffness, damping)
 }
 
-fn tangents<R: Row, P: Physics>(scene: &Scene<R, P>, k: usize, across: Across) -> Vec<Tangent> {
+fn tangents<R: Replicas, P: Physics>(
+    scene: &Scene<R, P>,
+    k: usize,
+    across: Across,
+) -> Vec<Tangent> {
     let mut tangents = vec![];
     let material = &scene.laws.material;
     let grains = &scene.grains;

@@ -1,6 +1,5 @@
 //! A survey of a scene: what is counted and summed over all grains and contacts, for all replicas at once.
 
-use crate::grains::LoadedGrain;
 use crate::lanes::{Kernel, Lane, Row};
 use crate::math::Vec3;
 use crate::shape::Shape;
@@ -104,13 +103,11 @@ impl<R: Row, P: Physics> Kernel<R> for Survey<'_, R, P> {
 /// Displacement of the center of sphere `a` of grain `i` from the reference.
 #[inline(always)]
 fn shifted<L: Lane, P: Physics>(scene: &Scene<L::Row, P>, i: usize, a: usize) -> Vec3<L> {
-    let loaded: LoadedGrain<L> = scene.grains.load(i, P::ORIENTED);
+    let displacement = scene.grains.displacement[i].load();
     if P::ORIENTED {
-        loaded.displacement
-            + loaded
-                .turn
-                .shift(scene.grains.broadcast_arm(i, a, P::Shape::SPHERES))
+        let arm = Vec3::broadcast(scene.grains.lane_arms[P::Shape::SPHERES * i + a]);
+        displacement + scene.grains.turn[i].load::<L>().shift(arm)
     } else {
-        loaded.displacement
+        displacement
     }
 }

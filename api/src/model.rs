@@ -1,0 +1,33 @@
+//! Experiments as `/models` describes them.
+
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+use utoipa::ToSchema;
+
+/// An experiment and its parameters.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct Model {
+    /// The name in a sweep's `model`.
+    pub name: String,
+    /// What it is, in one sentence.
+    pub sentence: String,
+    /// Every parameter, as the properties of a JSON Schema with `x-symbol`, `x-unit` and `x-section`.
+    #[schema(value_type = Object)]
+    pub parameters: Value,
+    /// Named choices of numerics.
+    pub presets: Vec<Preset>,
+    /// Reductions that it allows, the usual chain first.
+    pub reductions: Vec<Value>,
+}
+
+/// A named choice of numerics.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct Preset {
+    /// The name in a sweep's `preset`.
+    pub name: String,
+    /// What it is for.
+    pub sentence: String,
+    /// The parameters that it sets.
+    #[schema(value_type = Object)]
+    pub values: Value,
+}

@@ -1,0 +1,76 @@
+//! Tables: points, sets, and lists that page by key.
+
+use std::collections::BTreeMap;
+
+use granary_core::identity::ResultHash;
+use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value};
+use utoipa::ToSchema;
+
+use crate::id::JobId;
+use crate::job::{Failure, JobState, Progress};
+
+/// Part of a list.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct Page<T> {
+    /// The rows.
+    pub items: Vec<T>,
+    /// What `cursor` asks for the rows after these; none at the end.
+    pub next: Option<String>,
+    /// Rows in all, on every page, after `where`.
+    pub total: u64,
+}
+
+/// One row of a sweep's table.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct PointRow {
+    /// Its number, from 0, in the order of the spec.
+    pub point: u64,
+    /// Where its job stands.
+    pub state: JobState,
+    /// The parameters that vary in the sweep.
+    #[schema(value_type = Object)]
+    pub parameters: Map<String, Value>,
+    /// Scalars by name; empty until it is done.
+    pub results: BTreeMap<String, Option<f64>>,
+    /// What a reader of the numbers should know.
+    pub warnings: Vec<String>,
+    /// The job that computes it.
+    #[schema(value_type = String)]
+    pub job: JobId,
+    /// Hash of the outcome.
+    #[schema(value_type = Option<String>)]
+    pub result_hash: Option<ResultHash>,
+    /// How far it is, while it runs.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub progress: Option<Progress>,
+    /// Why it failed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub failure: Option<Failure>,
+}
+
+/// One row of a reduction: points, or other sets, taken together.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct SetRow {
+    /// Its number, from 0, in the order of the reductions.
+    pub set: u64,
+    /// The reduction.
+    pub reduce: String,
+    /// How signals were processed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub processing: Option<String>,
+    /// The parameters that vary in the sweep and that it was not taken over.
+    #[schema(value_type = Object)]
+    pub parameters: Map<String, Value>,
+    /// Numbers by name; `null` where a number has no meaning (yet).
+    pub results: BTreeMap<String, Option<f64>>,
+    /// Members that count so far.
+    pub n: u64,
+    /// Members in all.
+    pub of: u64,
+    /// Whether members are still to come.
+    pub provisional: bool,
+    /// Why a number is `null`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub missing_reason: Option<String>,
+}

@@ -1,0 +1,268 @@
+//! `granary bench`: times the engine on this machine.
+
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use anyhow::{Context, bail};
+use granary_core::bench::{PackFile, Settings, Size, bench};
+use granary_core::lanes::VectorWidth;
+use granary_core::memory::spec::{MemoryPoint, Precision, ShapeName};
+use granary_core::memory::state::PackState;
+use granary_core::stage::{Ensemble, Report, STATE, StageSpec, run as run_stage};
+use granary_worker::machine;
+use serde_json::{Value, json};
+
+use crate::failure::Done;
+use crate::{output, table};
+
+/// Steps before the clock starts: the list is built and the caches are warm.
+const WARM_UP: u64 = 50;
+/// Steps between two looks at the clock.
+const CHUNK: u64 = 20;
+
+/// Time the engine on a packing at rest.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Args {
+    /// The experiment.
+    #[arg(long, default_value = "memory", value_parser = ["memory"])]
+    model: String,
+    /// A pack file in the peers' format; without it, a loose pack is made first.
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["shape", "grains"])]
+    pack: Option<PathBuf>,
+    /// Shape of the grains of a pack that is made.
+    #[arg(long, value_enum, default_value_t = Shape::Tetrahedron)]
+    shape: Shape,
+    /// Grains of a pack that is made.
+    #[arg(long, value_name = "N", default_value_t = 1024)]
+    grains: u32,
+    /// Replicas side by side: 1 or 8 in f64, 8 or 16 in f32.
+    #[arg(long, value_name = "K", default_value_t = 16)]
+    lanes: usize,
+    /// Numbers.
+    #[arg(long, value_enum, value_name = "P", default_value_t = Numbers::F32)]
+    precision: Numbers,
+    /// Scenes stepped at once, each on a thread of its own.
+    #[arg(long, value_name = "T", default_value_t = 1)]
+    threads: usize,
+    /// Time step \[t_c\].
+    #[arg(long, default_value_t = 0.1)]
+    time_step: f64,
+    /// Time the clock runs \[s\].
+    #[arg(long, default_value_t = 2.0)]
+    seconds: f64,
+    /// Vector instructions: portable, avx2 or avx512; the widest by default.
+    #[arg(long)]
+    width: Option<String>,
+    /// Print the figures as JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Clone, Copy, Debug, clap::ValueEnum)]
+enum Shape {
+    Tetrahedron,
+    Sphere,
+}
+
+#[derive(Clone, Copy, Debug, clap::ValueEnum)]
+enum Numbers {
+    F32,
+    F64,
+}
+
+/// What one thread did.
+struct Timed {
+    size: Size,
+    steps: u64,
+    wall: Duration,
+    cpu: Duration,
+}
+
+/// Times and prints.
+pub(crate) fn run(args: &Args) -> anyhow::Result<Done> {
+    let pack = match &args.pack {
+        Some(path) => read(path)?,
+        None => make(args.shape, args.grains)?,
+    };
+    let settings = Settings {
+        lanes: args.lanes,
+        precision: match args.precision {
+            Numbers::F32 => Precision::F32,
+            Numbers::F64 => Precision::F64,
+        },
+        time_step: args.time_step,
+        skin: 0.1,
+        width: width(args.width.as_deref())?,
+    };
+    let limit = Duration::try_from_secs_f64(args.seconds).context("--seconds is no duration")?;
+    let timed = time_all(&pack, &settings, limit, args.threads.max(1))?;
+    let figures = figures(&timed, &settings, &pack);
+    if args.json {
+        output::json(&figures)?;
+    } else if let Some(figures) = figures.as_object() {
+        for (name, value) in figures {
+            let value = table::parameter(Some(value));
+            output::line(&format!("{name:26} {value}"))?;
+        }
+    }
+    Ok(Done::Complete)
+}
+
+fn width(name: Option<&str>) -> anyhow::Result<VectorWidth> {
+    let Some(name) = name else {
+        return Ok(VectorWidth::widest());
+    };
+    let mut available = VectorWidth::available().into_iter();
+    let found = available.find(|width| width.name() == name);
+    found.with_context(|| format!("this machine has no vectors called `{name}`"))
+}
+
+fn read(path: &Path) -> anyhow::Result<PackFile> {
+    let place = path.display();
+    let text = std::fs::read(path).with_context(|| format!("cannot read {place}"))?;
+    serde_json::from_slice(&text).with_context(|| format!("{place} is not a pack file"))
+}
+
+/// A pack under the usual pressure, made in a hurry: one short compression cycle.
+fn make(shape: Shape, grains: u32) -> anyhow::Result<PackFile> {
+    eprintln!("making a pack of {grains} grains");
+    let defaults = MemoryPoint::defaults("standard").context("there is a standard preset")?;
+    let mut point = MemoryPoint::from_parameters(defaults).map_err(anyhow::Error::msg)?;
+    point.grains = grains;
+    point.preparation_cycles = 1;
+    point.preparation_ramp = 1000.0;
+    point.gas_time = 500.0;
+    point.rest_kinetic_energy = 1e-7;
+    point.shape = match shape {
+        Shape::Tetrahedron => ShapeName::Tetrahedron,
+        Shape::Sphere => ShapeName::Sphere,
+    };
+    let specs = [StageSpec::Pack(point.pack())];
+    let ensemble = Ensemble {
+        specs: &specs,
+        input: &[],
+        checkpoints: None,
+    };
+    let mut watch = |_: &Report<'_>| std::ops::ControlFlow::Continue(());
+    let outcome = run_stage(&ensemble, &mut watch).pop();
+    let mut outcome = outcome.context("the engine gave no answer")??;
+    let state = outcome
+        .artifacts
+        .remove(STATE)
+        .context("a pack has a state")?;
+    let state = PackState::from_bytes(&state).map_err(anyhow::Error::msg)?;
+    Ok(pack_file(&point, &state))
+}
+
+/// The pack in the peers' format.
+fn pack_file(point: &MemoryPoint, state: &PackState) -> PackFile {
+    let meters = |lengths: [f64; 3]| lengths.map(|length| length * point.radius);
+    let positions: Vec<[f64; 3]> = state
+        .poses
+        .iter()
+        .map(|pose| meters(pose.position))
+        .collect();
+    let turned = |[w, x, y, z]: [f64; 4]| [x, y, z, w];
+    let quat = state.poses.iter().map(|pose| turned(pose.orientation));
+    let walls = state.past.walls.map(|wall| wall * point.radius);
+    let sphere = point.shape == ShapeName::Sphere;
+    PackFile {
+        kind: if sphere { "spheres" } else { "tetra" }.to_owned(),
+        radius: point.radius,
+        density: point.density,
+        r#box: [
+            [walls[0], walls[1]],
+            [walls[2], walls[3]],
+            [walls[4], walls[5]],
+        ],
+        overlap: point.overlap,
+        quat: quat.collect(),
+        com: positions.clone(),
+        positions,
+    }
+}
+
+/// Steps one scene per thread, all at once.
+fn time_all(
+    pack: &PackFile,
+    settings: &Settings,
+    limit: Duration,
+    threads: usize,
+) -> anyhow::Result<Vec<Timed>> {
+    let start = std::sync::Barrier::new(threads);
+    let timed: Vec<Option<Timed>> = std::thread::scope(|scope| {
+        let one = || time(pack, settings, limit, &start);
+        let running: Vec<_> = (0..threads).map(|_| scope.spawn(one)).collect();
+        let ended = running
+            .into_iter()
+            .map(|thread| thread.join().ok().flatten());
+        ended.collect()
+    });
+    let timed: Option<Vec<Timed>> = timed.into_iter().collect();
+    match timed {
+        Some(timed) => Ok(timed),
+        None => bail!(
+            "{} lanes of {:?} on a pack of `{}` are not compiled",
+            settings.lanes,
+            settings.precision,
+            pack.kind
+        ),
+    }
+}
+
+fn time(
+    pack: &PackFile,
+    settings: &Settings,
+    limit: Duration,
+    start: &std::sync::Barrier,
+) -> Option<Timed> {
+    let scene = bench(pack, settings);
+    start.wait();
+    let mut scene = scene?;
+    scene.run(WARM_UP);
+    let (wall, cpu) = (Instant::now(), machine::thread_cpu_time());
+    let mut steps = 0;
+    while wall.elapsed() < limit || steps == 0 {
+        scene.run(CHUNK);
+        steps += CHUNK;
+    }
+    Some(Timed {
+        size: scene.size(),
+        steps,
+        wall: wall.elapsed(),
+        cpu: machine::thread_cpu_time().saturating_sub(cpu),
+    })
+}
+
+/// Rates are sums over threads, by the wall clock; `cpu_share` is below 1 where the machine had other work.
+fn figures(timed: &[Timed], settings: &Settings, pack: &PackFile) -> Value {
+    let size = timed[0].size;
+    let steps_per_second: f64 = timed
+        .iter()
+        .map(|timed| timed.steps as f64 / timed.wall.as_secs_f64())
+        .sum();
+    let share = |timed: &Timed| timed.cpu.as_secs_f64() / timed.wall.as_secs_f64();
+    let cpu_share = timed.iter().map(share).sum::<f64>() / timed.len() as f64;
+    let replicas = size.lanes as f64;
+    let grain_steps = steps_per_second * size.grains as f64 * replicas;
+    let contact_updates = steps_per_second * size.contacts as f64 * replicas;
+    json!({
+        "grain_steps_per_second": grain_steps,
+        "contact_updates_per_second": contact_updates,
+        "nanoseconds_per_contact": timed.len() as f64 * 1e9 / contact_updates,
+        "bytes_per_grain": size.bytes_per_grain,
+        "bytes_per_contact": size.bytes_per_candidate,
+        "grain_steps_per_cpu_second": grain_steps / cpu_share,
+        "cpu_share": cpu_share,
+        "grains": size.grains,
+        "contacts": size.contacts,
+        "lanes": size.lanes,
+        "threads": timed.len(),
+        "steps": timed.iter().map(|timed| timed.steps).sum::<u64>(),
+        "list_renewals": size.renewals,
+        "pack": pack.kind,
+        "precision": settings.precision,
+        "vectors": settings.width.name(),
+        "time_step": settings.time_step,
+    })
+}

@@ -1,0 +1,46 @@
+//! The commands, in the order in which the help lists them.
+
+use crate::failure::Done;
+use crate::{
+    bench, demo, models, openapi, replay, results, run, serve, submit, token, watch, worker,
+    workers,
+};
+
+/// What `granary` can be told to do.
+#[derive(Debug, clap::Subcommand)]
+pub(crate) enum Command {
+    Demo(demo::Args),
+    Run(run::Args),
+    Serve(serve::Args),
+    Worker(worker::Args),
+    Submit(submit::Args),
+    Watch(watch::Args),
+    Results(results::Args),
+    Replay(replay::Args),
+    Workers(workers::Args),
+    Bench(bench::Args),
+    Models(models::Args),
+    Openapi(openapi::Args),
+    Token(token::Args),
+}
+
+impl Command {
+    /// Does it.
+    pub(crate) async fn run(self) -> anyhow::Result<Done> {
+        match self {
+            Self::Demo(args) => demo::run(args).await,
+            Self::Run(args) => run::run(args).await,
+            Self::Serve(args) => serve::run(args).await,
+            Self::Worker(args) => worker::run(args).await,
+            Self::Submit(args) => submit::run(args).await,
+            Self::Watch(args) => watch::run(args).await,
+            Self::Results(args) => results::run(args).await,
+            Self::Replay(args) => replay::run(args).await,
+            Self::Workers(args) => workers::run(args).await,
+            Self::Bench(args) => bench::run(&args),
+            Self::Models(args) => models::run(&args),
+            Self::Openapi(args) => openapi::run(&args),
+            Self::Token(args) => token::run(args).await,
+        }
+    }
+}

@@ -1,0 +1,104 @@
+//! `granary run`: computes one sweep with no server: the same store, planner, runner and cache, without the socket.
+
+use std::path::PathBuf;
+
+use granary_api::id::SweepId;
+use granary_api::sweep::SweepState;
+use granary_api::table::{PointRow, SetRow};
+use granary_server::Config;
+use serde_json::json;
+
+use crate::api_client::ApiClient;
+use crate::failure::Done;
+use crate::service::{Service, all_cores};
+use crate::spec_file::SpecFile;
+use crate::{interrupt, log, output, submit, table, watch};
+
+/// Compute a sweep on this machine and print its table.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Args {
+    /// The spec, TOML or JSON; `-` is standard input.
+    spec: PathBuf,
+    /// Print points and sets as JSON.
+    #[arg(long)]
+    json: bool,
+    /// Engine threads; all cores by default.
+    #[arg(long, env = "GRANARY_THREADS", value_name = "N")]
+    threads: Option<usize>,
+    /// Directory of the database and the artifacts.
+    #[arg(
+        long,
+        env = "GRANARY_DATA",
+        default_value = ".granary",
+        value_name = "DIR"
+    )]
+    data: PathBuf,
+}
+
+/// Computes, or goes on where an interrupted run stopped.
+pub(crate) async fn run(args: Args) -> anyhow::Result<Done> {
+    log::to_stderr(tracing::Level::WARN);
+    let spec = SpecFile::read(&args.spec)?;
+    let mut service = Service::open(Config::new(&args.data), "granary run").await?;
+    let done = compute(&mut service, &args, &spec).await;
+    let stopped = service.stop().await;
+    let done = done?;
+    stopped?;
+    Ok(done)
+}
+
+async fn compute(service: &mut Service, args: &Args, spec: &SpecFile) -> anyhow::Result<Done> {
+    let client = service.client().await?;
+    let submitted = client.submit(spec, false).await?;
+    submit::announce(&submitted);
+    let Some(sweep) = submitted.sweep else {
+        anyhow::bail!("the planner gave the sweep no id");
+    };
+    if client.sweep(sweep).await?.state == SweepState::Paused {
+        client.steer(sweep, "resume").await?;
+    }
+    service.stay_alone().await?;
+    service.work(args.threads.unwrap_or_else(all_cores));
+    let finished = tokio::select! {
+        finished = watch::follow(&client, sweep) => finished?,
+        ended = service.watch() => {
+            ended?;
+            anyhow::bail!("the engine threads ended before the sweep");
+        }
+        interrupted = interrupt::wait() => {
+            interrupted?;
+            // Another sweep run in this directory should not share the machine with this one.
+            client.steer(sweep, "pause").await?;
+            eprintln!("interrupted; the same command goes on from here");
+            return Ok(Done::Interrupted);
+        }
+    };
+    print(&client, sweep, args.json).await?;
+    Ok(watch::verdict(&finished))
+}
+
+/// Prints both tables as JSON, or the one that says most to people.
+async fn print(client: &ApiClient, sweep: SweepId, as_json: bool) -> anyhow::Result<()> {
+    let points: Vec<PointRow> = client.rows(sweep, "points", &[]).await?;
+    let sets: Vec<SetRow> = client.rows(sweep, "sets", &[]).await?;
+    if as_json {
+        return output::json(&json!({
+            "points": {"items": points, "next": null},
+            "sets": {"items": sets, "next": null},
+        }));
+    }
+    let failed: Vec<PointRow> = points
+        .iter()
+        .filter(|row| row.failure.is_some())
+        .cloned()
+        .collect();
+    if !failed.is_empty() {
+        output::bytes(table::points(&failed).render().as_bytes())?;
+    }
+    let whole = if sets.is_empty() {
+        table::points(&points)
+    } else {
+        table::sets(&sets)
+    };
+    output::bytes(whole.render().as_bytes())
+}

@@ -1,0 +1,151 @@
+//! A store, its reaper and its workers, in this process: what `serve`, `run` and `demo` share.
+
+use std::net::SocketAddr;
+use std::num::NonZero;
+use std::time::Duration;
+
+use anyhow::Context;
+use granary_api::token::Scope;
+use granary_server::{Config, ServeError, Server, Store};
+use granary_worker::{config as worker, execute::core_engine, lease_loop};
+use tokio::task::JoinSet;
+use tokio_util::sync::CancellationToken;
+
+use crate::api_client::ApiClient;
+use crate::direct::DirectLeaseClient;
+
+/// How long workers in this process wait for work before they ask again.
+const POLL: Duration = Duration::from_secs(20);
+
+/// The threads that the machine can run at once.
+pub(crate) fn all_cores() -> usize {
+    std::thread::available_parallelism().map_or(1, NonZero::get)
+}
+
+/// An open data directory and what runs around it.
+pub(crate) struct Service {
+    /// The store.
+    pub(crate) store: Store,
+    shutdown: CancellationToken,
+    tasks: JoinSet<anyhow::Result<()>>,
+    /// The name of the token of this process, if the store asks for tokens.
+    token: Option<String>,
+}
+
+impl Service {
+    /// Opens the data directory of `config`; `purpose` is told to whoever comes second.
+    ///
+    /// # Errors
+    /// If another process holds the directory, or it cannot be opened.
+    pub(crate) async fn open(config: Config, purpose: &str) -> anyhow::Result<Self> {
+        let place = config.data.display().to_string();
+        let holder = format!("{purpose}, process {}", std::process::id());
+        let store = Store::open(config, &holder).await;
+        let store = store.with_context(|| format!("cannot use the data directory {place}"))?;
+        Ok(Self {
+            store,
+            shutdown: CancellationToken::new(),
+            tasks: JoinSet::new(),
+            token: None,
+        })
+    }
+
+    /// Serves at the configured address, and looks after leases; where that is in the end.
+    ///
+    /// # Errors
+    /// If the address cannot be had, or is open to others and there is no token.
+    pub(crate) async fn listen(&mut self) -> anyhow::Result<SocketAddr> {
+        let server = Server::bind(self.store.clone()).await.map_err(explain)?;
+        let address = server.address();
+        let shutdown = self.shutdown.clone();
+        self.tasks
+            .spawn(async move { Ok(server.run(None, shutdown).await?) });
+        Ok(address)
+    }
+
+    /// Looks after leases without a socket.
+    ///
+    /// # Errors
+    /// If the store fails.
+    pub(crate) async fn stay_alone(&mut self) -> anyhow::Result<()> {
+        // Nobody else can hold a lease here: those in the database are of processes that were killed.
+        for (lease, beat) in self.store.lease_beats().await? {
+            self.store.lease_reap(lease, beat).await?;
+        }
+        let background = granary_server::background(&self.store, &self.shutdown);
+        self.tasks.spawn(async {
+            background.join_all().await;
+            Ok(())
+        });
+        Ok(())
+    }
+
+    /// Adds `slots` engine threads, each with its own lease.
+    pub(crate) fn work(&mut self, slots: usize) {
+        if slots == 0 {
+            return;
+        }
+        let config = worker::Config {
+            poll: POLL,
+            ..worker::Config::new(slots)
+        };
+        let client = DirectLeaseClient::new(self.store.clone());
+        let run = lease_loop::run(client, core_engine(), config, self.shutdown.clone());
+        self.tasks.spawn(run);
+    }
+
+    /// The public API of this store, without a socket.
+    ///
+    /// # Errors
+    /// If the store fails.
+    pub(crate) async fn client(&mut self) -> anyhow::Result<ApiClient> {
+        let router = granary_server::app(self.store.clone(), self.shutdown.clone(), None);
+        let mut token = None;
+        if self.store.token_any().await? {
+            let name = format!("process {}", std::process::id());
+            token = Some(self.store.token_create(&name, &[Scope::Admin]).await?);
+            self.token = Some(name);
+        }
+        Ok(ApiClient::Local { router, token })
+    }
+
+    /// Returns when a part of the service has ended, which none should before the word to stop.
+    ///
+    /// # Errors
+    /// That part's.
+    pub(crate) async fn watch(&mut self) -> anyhow::Result<()> {
+        match self.tasks.join_next().await {
+            Some(part) => part.context("a part of the service panicked")?,
+            None => Ok(()),
+        }
+    }
+
+    /// Gives the word to stop; jobs are handed back with checkpoints, then the database is closed.
+    ///
+    /// # Errors
+    /// The first of any part.
+    pub(crate) async fn stop(mut self) -> anyhow::Result<()> {
+        self.shutdown.cancel();
+        let mut first = Ok(());
+        while let Some(part) = self.tasks.join_next().await {
+            let part = part.context("a part of the service panicked").flatten();
+            first = first.and(part);
+        }
+        if let Some(name) = &self.token {
+            self.store.token_revoke(name).await?;
+        }
+        self.store.close().await;
+        first
+    }
+}
+
+/// What went wrong, with the next command where there is one.
+fn explain(error: ServeError) -> anyhow::Error {
+    let open = matches!(error, ServeError::Open(_));
+    let error = anyhow::Error::from(error);
+    if open {
+        error.context("make a token: granary token create --scope worker --scope submit")
+    } else {
+        error
+    }
+}

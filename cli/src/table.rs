@@ -1,0 +1,200 @@
+//! Tables for people: aligned columns, numbers with six digits.
+
+use std::fmt::Write;
+
+use granary_api::table::{PointRow, SetRow};
+use serde_json::Value;
+
+/// Rows of text under a heading.
+#[derive(Debug, Default)]
+pub(crate) struct Table {
+    heading: Vec<String>,
+    rows: Vec<Vec<String>>,
+}
+
+impl Table {
+    /// A table with these columns.
+    pub(crate) fn new<S: Into<String>>(heading: impl IntoIterator<Item = S>) -> Self {
+        Self {
+            heading: heading.into_iter().map(Into::into).collect(),
+            rows: vec![],
+        }
+    }
+
+    /// Adds a row; missing cells stay blank.
+    pub(crate) fn push(&mut self, row: Vec<String>) {
+        self.rows.push(row);
+    }
+
+    /// The text: columns two blanks apart, all but the last padded.
+    pub(crate) fn render(&self) -> String {
+        let mut widths: Vec<usize> = vec![0; self.heading.len()];
+        for row in std::iter::once(&self.heading).chain(&self.rows) {
+            for (width, cell) in widths.iter_mut().zip(row) {
+                *width = (*width).max(cell.chars().count());
+            }
+        }
+        let mut text = String::new();
+        for row in std::iter::once(&self.heading).chain(&self.rows) {
+            let mut line = String::new();
+            for (width, cell) in widths.iter().zip(row) {
+                let blanks = width - cell.chars().count() + 2;
+                line.push_str(cell);
+                line.extend(std::iter::repeat_n(' ', blanks));
+            }
+            text.push_str(line.trim_end());
+            text.push('\n');
+        }
+        text
+    }
+}
+
+/// A number with six significant digits, as short as it goes.
+pub(crate) fn number(value: f64) -> String {
+    let magnitude = value.abs();
+    if magnitude != 0.0 && !(1e-3..1e7).contains(&magnitude) {
+        return format!("{value:.3e}");
+    }
+    let whole = if magnitude < 1.0 {
+        0
+    } else {
+        magnitude.log10() as usize
+    };
+    let text = format!("{value:.*}", 5usize.saturating_sub(whole));
+    if text.contains('.') {
+        let text = text.trim_end_matches('0').trim_end_matches('.');
+        text.to_owned()
+    } else {
+        text
+    }
+}
+
+/// A result; a number without meaning is shown as a dash.
+fn result(value: Option<&Option<f64>>) -> String {
+    value.map_or_else(String::new, |value| {
+        value.map_or_else(|| "–".to_owned(), number)
+    })
+}
+
+/// A parameter as people write it.
+pub(crate) fn parameter(value: Option<&Value>) -> String {
+    match value {
+        None => String::new(),
+        Some(Value::String(text)) => text.clone(),
+        Some(Value::Number(value)) if value.is_f64() => {
+            value.as_f64().map_or_else(String::new, number)
+        }
+        Some(value) => value.to_string(),
+    }
+}
+
+/// Adds the names that are not in `columns` yet.
+fn add_columns<'a>(columns: &mut Vec<String>, names: impl Iterator<Item = &'a String>) {
+    for name in names {
+        if !columns.contains(name) {
+            columns.push(name.clone());
+        }
+    }
+}
+
+/// The table of points.
+pub(crate) fn points(rows: &[PointRow]) -> Table {
+    let (mut parameters, mut results) = (vec![], vec![]);
+    for row in rows {
+        add_columns(&mut parameters, row.parameters.keys());
+        add_columns(&mut results, row.results.keys());
+    }
+    let mut heading = vec!["point".to_owned(), "state".to_owned()];
+    heading.extend(parameters.iter().chain(&results).cloned());
+    heading.push("remark".to_owned());
+    let mut table = Table::new(heading);
+    for row in rows {
+        let mut cells = vec![row.point.to_string(), row.state.to_string()];
+        cells.extend(
+            parameters
+                .iter()
+                .map(|name| parameter(row.parameters.get(name))),
+        );
+        cells.extend(results.iter().map(|name| result(row.results.get(name))));
+        let failure = row.failure.as_ref().map(|failure| failure.message.clone());
+        cells.push(failure.unwrap_or_else(|| row.warnings.join(" ")));
+        table.push(cells);
+    }
+    table
+}
+
+/// The table of sets.
+pub(crate) fn sets(rows: &[SetRow]) -> Table {
+    let (mut parameters, mut results) = (vec![], vec![]);
+    for row in rows {
+        add_columns(&mut parameters, row.parameters.keys());
+        add_columns(&mut results, row.results.keys());
+    }
+    // The error of a mean stands beside it.
+    results.sort_by_key(|name| name.trim_end_matches("_sem").to_owned());
+    let mut heading = vec![
+        "set".to_owned(),
+        "reduce".to_owned(),
+        "processing".to_owned(),
+    ];
+    heading.extend(parameters.iter().chain(&results).cloned());
+    heading.extend(["n".to_owned(), "remark".to_owned()]);
+    let mut table = Table::new(heading);
+    for row in rows {
+        let processing = row.processing.clone().unwrap_or_default();
+        let mut cells = vec![row.set.to_string(), row.reduce.clone(), processing];
+        cells.extend(
+            parameters
+                .iter()
+                .map(|name| parameter(row.parameters.get(name))),
+        );
+        cells.extend(results.iter().map(|name| result(row.results.get(name))));
+        let mut n = row.n.to_string();
+        if row.n != row.of {
+            let _ = write!(n, " of {}", row.of);
+        }
+        cells.push(n);
+        cells.push(row.missing_reason.clone().unwrap_or_default());
+        table.push(cells);
+    }
+    table
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_keep_six_digits_and_no_empty_ones() {
+        let shown: Vec<String> = [
+            0.0,
+            1.0,
+            -0.25,
+            174_000.0,
+            123_456.789,
+            3e-15,
+            0.912_345_678,
+        ]
+        .into_iter()
+        .map(number)
+        .collect();
+        let expected = [
+            "0",
+            "1",
+            "-0.25",
+            "174000",
+            "123457",
+            "3.000e-15",
+            "0.91235",
+        ];
+        assert_eq!(shown, expected);
+    }
+
+    #[test]
+    fn columns_are_aligned_whatever_the_width_of_their_signs() {
+        let mut table = Table::new(["μ", "𝓕"]);
+        table.push(vec!["0.4".to_owned(), "0.5".to_owned()]);
+        table.push(vec!["1".to_owned()]);
+        assert_eq!(table.render(), "μ    𝓕\n0.4  0.5\n1\n");
+    }
+}

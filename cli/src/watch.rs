@@ -1,0 +1,85 @@
+//! `granary watch`: follows a sweep to its end.
+
+use std::time::Duration;
+
+use granary_api::id::SweepId;
+use granary_api::sweep::{Sweep, SweepState};
+use tokio::time::Instant;
+
+use crate::api_client::{ApiClient, ServerArgs};
+use crate::failure::{Done, Failure};
+use crate::progress::Progress;
+use crate::{interrupt, output};
+
+/// How often the server is asked.
+const EVERY: Duration = Duration::from_millis(300);
+/// How long a server that restarts may be away.
+const PATIENCE: Duration = Duration::from_secs(30);
+
+/// Follow a sweep until every point has come to its end.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Args {
+    /// The sweep's id.
+    sweep: SweepId,
+    #[command(flatten)]
+    server: ServerArgs,
+    /// Print the sweep as JSON at the end.
+    #[arg(long)]
+    json: bool,
+}
+
+/// Follows; the exit code tells whether all points have results.
+pub(crate) async fn run(args: Args) -> anyhow::Result<Done> {
+    let client = args.server.client()?;
+    let done = until_interrupted(&client, args.sweep).await?;
+    if args.json && done != Done::Interrupted {
+        output::json(&client.sweep(args.sweep).await?)?;
+    }
+    Ok(done)
+}
+
+/// Follows `sweep` to its end, or until the user has seen enough; the sweep goes on without a watcher.
+pub(crate) async fn until_interrupted(client: &ApiClient, sweep: SweepId) -> anyhow::Result<Done> {
+    tokio::select! {
+        interrupted = interrupt::wait() => {
+            interrupted?;
+            eprintln!("the sweep goes on; look again with: granary watch {sweep}");
+            Ok(Done::Interrupted)
+        }
+        sweep = follow(client, sweep) => Ok(verdict(&sweep?)),
+    }
+}
+
+/// Follows `sweep` to its end, through restarts of its server.
+pub(crate) async fn follow(client: &ApiClient, sweep: SweepId) -> anyhow::Result<Sweep> {
+    let mut progress = Progress::new();
+    let mut heard = Instant::now();
+    let mut ticks = tokio::time::interval(EVERY);
+    loop {
+        ticks.tick().await;
+        let sweep = match client.sweep(sweep).await {
+            Ok(sweep) => sweep,
+            Err(error) if is_away(&error) && heard.elapsed() < PATIENCE => continue,
+            Err(error) => return Err(error),
+        };
+        heard = Instant::now();
+        progress.show(&sweep);
+        if matches!(sweep.state, SweepState::Finished | SweepState::Cancelled) {
+            progress.finish(&sweep);
+            return Ok(sweep);
+        }
+    }
+}
+
+fn is_away(error: &anyhow::Error) -> bool {
+    matches!(error.downcast_ref(), Some(Failure::Unreachable { .. }))
+}
+
+/// Whether every point of a finished sweep has results.
+pub(crate) fn verdict(sweep: &Sweep) -> Done {
+    if sweep.points.done == sweep.points.total {
+        Done::Complete
+    } else {
+        Done::Incomplete
+    }
+}

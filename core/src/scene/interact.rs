@@ -1,0 +1,156 @@
+//! The interaction of two spheres: from their branch vector to forces and torques, for any lane type.
+//!
+//! Nothing here knows where the numbers come from, or whether lanes are replicas or contacts.
+
+use crate::contact::{Contact, TangentialLaw, hertz};
+use crate::lanes::Lane;
+use crate::math::Vec3;
+use crate::scene::{Laws, Physics};
+
+/// Constants of all contacts in registers.
+#[derive(Clone, Copy)]
+pub(super) struct Constants<L: Lane, T: TangentialLaw> {
+    normal_stiffness: L,
+    normal_damping: L,
+    tangential: T::Constants<L>,
+    time_step: L,
+}
+
+impl<L: Lane, T: TangentialLaw> Constants<L, T> {
+    #[inline(always)]
+    pub(super) fn new<P: Physics<Tangential = T>>(laws: &Laws<P>) -> Self {
+        Self {
+            normal_stiffness: L::constant(laws.material.normal_stiffness),
+            normal_damping: L::constant(laws.material.normal_damping),
+            tangential: laws.tangential.constants(),
+            time_step: L::constant(laws.time_step),
+        }
+    }
+}
+
+/// |L|² − 4 of the branch vector L = L0 + e, from 2 L0, |L0|² − 4 and the change e: no digits are lost to |L|² ≈ 4.
+#[inline(always)]
+pub(super) fn excess<L: Lane>(twice_branch: Vec3<L>, reference_excess: L, change: Vec3<L>) -> L {
+    let both = twice_branch + change;
+    both.x.mul_add(
+        change.x,
+        both.y
+            .mul_add(change.y, both.z.mul_add(change.z, reference_excess)),
+    )
+}
+
+/// Where and how deep two spheres touch.
+#[derive(Clone, Copy)]
+pub(super) struct Geometry<L> {
+    /// n̂, from `j` into `i`.
+    pub(super) normal: Vec3<L>,
+    /// p \[R\].
+    pub(super) overlap: L,
+    /// √p.
+    pub(super) root_overlap: L,
+}
+
+/// From the branch vector and |L|² − 4: p = −(|L|² − 4)/(|L| + 2), with one division for p and n̂ together.
+#[inline(always)]
+pub(super) fn geometry<L: Lane>(branch: Vec3<L>, excess: L) -> Geometry<L> {
+    let length = (excess + L::constant(4.0)).sqrt();
+    let sum = length + L::constant(2.0);
+    let inverse = L::constant(1.0) / (length * sum);
+    let overlap = -excess * (inverse * length);
+    Geometry {
+        normal: branch.scale(inverse * sum),
+        overlap,
+        root_overlap: overlap.sqrt(),
+    }
+}
+
+/// How one of the two grains is placed and moves.
+#[derive(Clone, Copy)]
+pub(super) struct Partner<L> {
+    /// The sphere's center from the grain's center of mass.
+    pub(super) arm: Vec3<L>,
+    /// Of the center of mass.
+    pub(super) velocity: Vec3<L>,
+    /// Meaningless where nothing spins.
+    pub(super) spin: Vec3<L>,
+}
+
+/// What a contact does to its grains.
+#[derive(Clone, Copy)]
+pub(super) struct Action<L> {
+    /// On `i`; the opposite acts on `j`.
+    pub(super) force: Vec3<L>,
+    /// The part of it that may turn a grain: a sphere's lever lies along the normal force, which but for rounding cannot.
+    turning: Vec3<L>,
+    /// From `i`'s center of mass to the contact point.
+    pub(super) lever_i: Vec3<L>,
+    /// From `j`'s center of mass to the contact point.
+    pub(super) lever_j: Vec3<L>,
+}
+
+impl<L: Lane> Action<L> {
+    /// On `i`, about its center of mass.
+    #[inline(always)]
+    pub(super) fn torque_i(&self) -> Vec3<L> {
+        self.lever_i.cross(self.turning)
+    }
+
+    /// On `j`, about its center of mass, from the opposite force.
+    #[inline(always)]
+    pub(super) fn torque_j(&self) -> Vec3<L> {
+        self.turning.cross(self.lever_j)
+    }
+}
+
+/// The force of one contact; advances its history. Lanes that do not touch hold numbers without meaning.
+///
+/// Both grains' velocities are taken at one and the same point, in the middle of the overlap, and the force acts there:
+/// a pair that turns rigidly does not slip, and no torque is lost.
+#[inline(always)]
+pub(super) fn interact<L: Lane, P: Physics>(
+    constants: &Constants<L, P::Tangential>,
+    geometry: &Geometry<L>,
+    i: &Partner<L>,
+    j: &Partner<L>,
+    history: &mut <P::Tangential as TangentialLaw>::History<L>,
+) -> Action<L> {
+    let normal = geometry.normal;
+    let half = geometry
+        .overlap
+        .neg_mul_add(L::constant(0.5), L::constant(1.0));
+    let lever_i = normal.scale_sub(half, i.arm);
+    let lever_j = normal.scale_add(half, j.arm);
+    let mut relative = i.velocity - j.velocity;
+    if P::SPINS {
+        relative = lever_j.cross_add(j.spin, i.spin.cross_add(lever_i, relative));
+    }
+    let overlap_rate = -relative.dot(normal);
+    let normal_force = hertz::normal_force(
+        constants.normal_stiffness,
+        constants.normal_damping,
+        geometry.overlap,
+        geometry.root_overlap,
+        overlap_rate,
+    );
+    let mut tangential = Vec3::zero();
+    if P::Tangential::TANGENTIAL {
+        let contact = Contact {
+            normal,
+            sliding_velocity: normal.scale_add(overlap_rate, relative),
+            root_overlap: geometry.root_overlap,
+            normal_force,
+            time_step: constants.time_step,
+        };
+        tangential = P::Tangential::force(&constants.tangential, &contact, history);
+    }
+    let mut force = normal.scale(normal_force);
+    if P::Tangential::TANGENTIAL {
+        force = force + tangential;
+    }
+    Action {
+        force,
+        turning: if P::ORIENTED { force } else { tangential },
+        lever_i,
+        lever_j,
+    }
+}

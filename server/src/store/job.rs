@@ -1,0 +1,252 @@
+//! Jobs: the only place that writes a job's state, one statement per move that `queue` allows.
+
+use granary_api::id::JobId;
+use granary_api::job::Failure;
+use granary_core::identity::{ArtifactHash, StageId};
+
+use super::{StoreError, Writing};
+use crate::queue::{Verdict, needs_failed};
+
+/// A job under a lease.
+pub(super) struct Held {
+    pub(super) id: i64,
+    pub(super) job: JobId,
+    pub(super) kind: String,
+    pub(super) class: String,
+    pub(super) grain_steps: i64,
+    pub(super) losses: u64,
+    pub(super) faults: u64,
+    pub(super) checkpoint: Option<ArtifactHash>,
+    pub(super) wanted: bool,
+}
+
+/// A hash column as the type that it holds.
+pub(super) fn stage_id(bytes: &[u8]) -> StageId {
+    hash(bytes)
+}
+
+/// A 32-byte column as any of our hashes.
+pub(super) fn hash<T: std::str::FromStr<Err = granary_core::identity::HashError>>(
+    bytes: &[u8],
+) -> T {
+    let mut fixed = [0; 32];
+    let length = bytes.len().min(32);
+    fixed[..length].copy_from_slice(&bytes[..length]);
+    let text = format!("b3:{}", blake3::Hash::from_bytes(fixed).to_hex());
+    text.parse().expect("64 hexadecimal digits are a hash")
+}
+
+/// The jobs of the lease with row `lease`.
+pub(super) async fn job_held(
+    transaction: &mut Writing,
+    lease: i64,
+) -> Result<Vec<Held>, StoreError> {
+    const HELD: &str = "
+        select j.id, j.hash, e.kind, e.class, e.grain_steps, j.losses, j.faults, j.checkpoint,
+               exists (select 1 from want w join sweep s on s.id = w.sweep
+                        where w.job = j.id and s.state <> 'cancelled')
+          from job j join ensemble e on e.id = j.ensemble
+         where j.lease = $1 order by j.id";
+    type Row = (
+        i64,
+        Vec<u8>,
+        String,
+        String,
+        i64,
+        i64,
+        i64,
+        Option<Vec<u8>>,
+        bool,
+    );
+    let rows: Vec<Row> = sqlx::query_as(HELD)
+        .bind(lease)
+        .fetch_all(&mut **transaction)
+        .await?;
+    let held =
+        |(id, job, kind, class, grain_steps, losses, faults, checkpoint, wanted): Row| Held {
+            id,
+            job: stage_id(&job),
+            kind,
+            class,
+            grain_steps,
+            losses: losses as u64,
+            faults: faults as u64,
+            checkpoint: checkpoint.as_deref().map(hash),
+            wanted,
+        };
+    Ok(rows.into_iter().map(held).collect())
+}
+
+/// ready → leased, for at most `lanes` jobs of `ensemble` at `checkpoint_step` that `sweep` wants; with none, any active sweep.
+pub(super) async fn job_take(
+    transaction: &mut Writing,
+    lease: i64,
+    (ensemble, checkpoint_step): (i64, Option<i64>),
+    sweep: Option<i64>,
+    lanes: i64,
+) -> Result<u64, StoreError> {
+    const TAKE: &str = "
+        update job
+           set state = 'leased', lease = $1, attempts = attempts + 1, step = coalesce(checkpoint_step, 0)
+         where id in (select j.id from job j
+                       where j.state = 'ready' and j.ensemble = $2 and j.checkpoint_step is $3
+                         and exists (select 1 from want w join sweep s on s.id = w.sweep
+                                      where w.job = j.id and s.state = 'active' and ($4 is null or s.id = $4))
+                       order by j.id limit $5)";
+    let take = sqlx::query(TAKE)
+        .bind(lease)
+        .bind(ensemble)
+        .bind(checkpoint_step);
+    let taken = take
+        .bind(sweep)
+        .bind(lanes)
+        .execute(&mut **transaction)
+        .await?;
+    Ok(taken.rows_affected())
+}
+
+/// Notes how far a leased job is.
+pub(super) async fn job_progress(
+    transaction: &mut Writing,
+    (lease, job): (i64, &JobId),
+    (step, steps): (u64, u64),
+    checkpoint: Option<&ArtifactHash>,
+) -> Result<bool, StoreError> {
+    const PROGRESS: &str = "
+        update job
+           set step = $3, steps = $4,
+               checkpoint_step = case when $5 is null or $5 = checkpoint then checkpoint_step else $3 end,
+               checkpoint = coalesce($5, checkpoint)
+         where lease = $1 and hash = $2";
+    let progress = sqlx::query(PROGRESS)
+        .bind(lease)
+        .bind(&job.as_bytes()[..])
+        .bind(super::signed(step))
+        .bind(super::signed(steps))
+        .bind(checkpoint.map(|hash| hash.as_bytes().to_vec()))
+        .execute(&mut **transaction)
+        .await?;
+    Ok(progress.rows_affected() == 1)
+}
+
+/// leased → done.
+pub(super) async fn job_done(transaction: &mut Writing, id: i64) -> Result<(), StoreError> {
+    const DONE: &str = "
+        update job set state = 'done', lease = null, checkpoint = null, checkpoint_step = null where id = $1";
+    sqlx::query(DONE)
+        .bind(id)
+        .execute(&mut **transaction)
+        .await?;
+    Ok(())
+}
+
+/// leased → whatever the verdict says; a fault of the machine forgets the checkpoint, which may be its cause.
+pub(super) async fn job_end(
+    transaction: &mut Writing,
+    id: i64,
+    verdict: &Verdict,
+) -> Result<(), StoreError> {
+    const END: &str = "
+        update job
+           set state = $2, lease = null, losses = losses + $3, faults = faults + $4, failure = $5,
+               checkpoint = case when $4 > 0 then null else checkpoint end,
+               checkpoint_step = case when $4 > 0 then null else checkpoint_step end
+         where id = $1";
+    let kept = verdict
+        .failure
+        .as_ref()
+        .filter(|_| matches!(verdict.state.name(), "failed" | "poisoned"));
+    sqlx::query(END)
+        .bind(id)
+        .bind(verdict.state.name())
+        .bind(super::signed(verdict.losses))
+        .bind(super::signed(verdict.faults))
+        .bind(kept.map(failure_json))
+        .execute(&mut **transaction)
+        .await?;
+    Ok(())
+}
+
+fn failure_json(failure: &Failure) -> String {
+    serde_json::to_string(failure).expect("a failure is plain data")
+}
+
+/// blocked → ready, for all that need `id`, which is done.
+pub(super) async fn job_unblock(transaction: &mut Writing, id: i64) -> Result<(), StoreError> {
+    const UNBLOCK: &str = "update job set state = 'ready' where needs = $1 and state = 'blocked'";
+    sqlx::query(UNBLOCK)
+        .bind(id)
+        .execute(&mut **transaction)
+        .await?;
+    Ok(())
+}
+
+/// blocked → failed, for all that need `held`, which has failed, and for all that need those; how many.
+pub(super) async fn job_fail_dependants(
+    transaction: &mut Writing,
+    held: &Held,
+    cause: &str,
+) -> Result<u64, StoreError> {
+    const FAIL: &str = "
+        with recursive below (id) as (
+            select id from job where needs = $1
+            union all
+            select job.id from job join below on job.needs = below.id)
+        update job set state = 'failed', failure = $2
+         where state = 'blocked' and id in (select id from below)";
+    let failure = failure_json(&needs_failed(&held.kind, held.job, cause));
+    let failed = sqlx::query(FAIL).bind(held.id).bind(failure);
+    Ok(failed.execute(&mut **transaction).await?.rows_affected())
+}
+
+/// blocked, ready → cancelled, for the jobs of `sweep` that no sweep wants.
+pub(super) async fn job_cancel_unwanted(
+    transaction: &mut Writing,
+    sweep: i64,
+) -> Result<u64, StoreError> {
+    const CANCEL: &str = "
+        update job set state = 'cancelled'
+         where id in (select job from want where sweep = $1 and state in ('blocked', 'ready'))
+           and not exists (select 1 from want w join sweep s on s.id = w.sweep
+                            where w.job = job.id and s.state <> 'cancelled')";
+    let cancelled = sqlx::query(CANCEL).bind(sweep);
+    Ok(cancelled.execute(&mut **transaction).await?.rows_affected())
+}
+
+/// cancelled → ready, blocked or failed, for the jobs that `sweep` wants again.
+pub(super) async fn job_revive(transaction: &mut Writing, sweep: i64) -> Result<u64, StoreError> {
+    const REVIVE: &str = "
+        update job
+           set state = case when needs is null then 'ready'
+                            when (select n.state from job n where n.id = job.needs) = 'done' then 'ready'
+                            when (select n.state from job n where n.id = job.needs) in ('failed', 'poisoned') then 'failed'
+                            else 'blocked' end,
+               failure = case when (select n.state from job n where n.id = job.needs) in ('failed', 'poisoned')
+                              then json_object('reason', 'needs', 'message', 'the stage that it starts from has failed')
+                              end
+         where state = 'cancelled' and id in (select job from want where sweep = $1 and state = 'cancelled')";
+    let revived = sqlx::query(REVIVE).bind(sweep);
+    Ok(revived.execute(&mut **transaction).await?.rows_affected())
+}
+
+/// poisoned, failed by the machine → ready, for the jobs of `sweep`; and failed → blocked for all that need such jobs.
+pub(super) async fn job_retry(transaction: &mut Writing, sweep: i64) -> Result<u64, StoreError> {
+    const RETRY: &str = "
+        update job set state = 'ready', failure = null, losses = 0, faults = 0
+         where state in ('failed', 'poisoned') and failure ->> 'reason' in ('input', 'poisoned')
+           and id in (select job from want where sweep = $1 and state in ('failed', 'poisoned'))";
+    const FOLLOW: &str = "
+        update job
+           set state = case when (select n.state from job n where n.id = job.needs) = 'done' then 'ready' else 'blocked' end,
+               failure = null
+         where state = 'failed' and failure ->> 'reason' = 'needs'
+           and (select n.state from job n where n.id = job.needs) not in ('failed', 'poisoned', 'cancelled')";
+    let first = sqlx::query(RETRY).bind(sweep);
+    let mut retried = first.execute(&mut **transaction).await?.rows_affected();
+    // Trains follow packs, then recalls follow trains.
+    for _ in 0..2 {
+        let followed = sqlx::query(FOLLOW).execute(&mut **transaction).await?;
+        retried += followed.rows_affected();
+    }
+    Ok(retried)
+}

@@ -1,0 +1,297 @@
+//! Sets: the reductions of a sweep over whatever has finished, from the stored signals.
+
+use std::collections::HashMap;
+use std::sync::{Mutex, PoisonError};
+
+use granary_api::id::SweepId;
+use granary_api::job::JobState;
+use granary_api::table::{Page, SetRow};
+use granary_core::identity::ArtifactHash;
+use granary_core::memory::score::{Dots, Processing, Signal};
+use granary_core::stage::StageSpec;
+use serde_json::{Map, Value, json};
+
+use super::point::wrong_cursor;
+use super::sweep::SweepPlan;
+use super::{Store, StoreError};
+use crate::reduce::{Member, Scorer, mean_sem};
+use crate::sweep::reduction::Reduction;
+use crate::table::{TableQuery, compare};
+
+/// Rows read at a time.
+const CHUNK: i64 = 2000;
+/// Dot products kept in memory, about 60 bytes each.
+const MOST_DOTS: usize = 250_000;
+
+/// Dot products of recalls that never change: by job and processing.
+#[derive(Default)]
+pub(super) struct DotsCache(Mutex<HashMap<(i64, Processing), Dots>>);
+
+impl DotsCache {
+    fn get(&self, key: (i64, Processing)) -> Option<Dots> {
+        self.0
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .get(&key)
+            .copied()
+    }
+
+    fn put(&self, key: (i64, Processing), dots: Dots) {
+        let mut dots_by_job = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if dots_by_job.len() >= MOST_DOTS {
+            dots_by_job.clear();
+        }
+        dots_by_job.insert(key, dots);
+    }
+}
+
+/// A point's recall: number, parameters, job, state, ensemble, signal, spec.
+type Row = (i64, String, i64, String, i64, Option<String>, String);
+
+/// The zero recall of an ensemble.
+struct Zero {
+    open: bool,
+    artifact: Option<ArtifactHash>,
+    /// Read when it is first needed.
+    signal: Option<Signal>,
+}
+
+impl Store {
+    /// A page of a sweep's sets, in the order of its reductions.
+    pub async fn set_list(
+        &self,
+        sweep: SweepId,
+        query: &TableQuery,
+    ) -> Result<Page<SetRow>, StoreError> {
+        let plan = self.sweep_plan(sweep).await?;
+        let mut sets = self.sets(&plan).await?;
+        sets.retain(|set| {
+            query
+                .filters
+                .iter()
+                .all(|filter| filter.passes(&column(set, &plan, &filter.column)))
+        });
+        if let Some(sort) = &query.sort {
+            sets.sort_by_cached_key(|set| Key(column(set, &plan, &sort.column), sort.descending));
+        }
+        let total = sets.len() as u64;
+        let start = match &query.cursor {
+            None => 0,
+            Some(cursor) => {
+                let last = cursor.parse::<u64>().map_err(|_| wrong_cursor(cursor))?;
+                let place = sets.iter().position(|set| set.set == last);
+                place.ok_or_else(|| wrong_cursor(cursor))? + 1
+            }
+        };
+        let mut items: Vec<SetRow> = sets
+            .into_iter()
+            .skip(start)
+            .take(query.limit as usize)
+            .collect();
+        let more = (start + items.len()) < total as usize;
+        let next = items
+            .last()
+            .filter(|_| more)
+            .map(|last| last.set.to_string());
+        for set in &mut items {
+            set.parameters.retain(|name, _| query.shows(name));
+            set.results.retain(|name, _| query.shows(name));
+        }
+        Ok(Page { items, next, total })
+    }
+
+    /// Every set, numbered.
+    async fn sets(&self, plan: &SweepPlan) -> Result<Vec<SetRow>, StoreError> {
+        let mut all: Vec<SetRow> = vec![];
+        let mut last: Vec<SetRow> = vec![];
+        for reduction in &plan.reductions {
+            last = match reduction {
+                Reduction::GainFidelity { over, processing } => {
+                    self.scores(plan, over, processing).await?
+                }
+                Reduction::MeanSem { over } => mean_sem(&last, over),
+            };
+            all.extend(last.iter().cloned());
+        }
+        for (number, set) in all.iter_mut().enumerate() {
+            set.set = number as u64;
+        }
+        Ok(all)
+    }
+
+    async fn scores(
+        &self,
+        plan: &SweepPlan,
+        over: &[String],
+        processing: &[Processing],
+    ) -> Result<Vec<SetRow>, StoreError> {
+        const ROWS: &str = "
+            select p.point, p.parameters, j.id, j.state, j.ensemble, o.artifacts ->> 'signal', j.spec
+              from point p join job j on j.id = p.job left join outcome o on o.job = j.id
+             where p.sweep = $1 and p.point > $2 order by p.point limit $3";
+        let mut zeros = self.zeros(plan).await?;
+        let mut scorers: Vec<(Processing, Scorer)> = processing
+            .iter()
+            .map(|&p| (p, Scorer::new(over, p)))
+            .collect();
+        let mut after = -1;
+        loop {
+            let rows = sqlx::query_as(ROWS).bind(plan.id).bind(after).bind(CHUNK);
+            let rows: Vec<Row> = rows.fetch_all(self.readers()).await?;
+            let Some(last) = rows.last() else {
+                return Ok(scorers
+                    .into_iter()
+                    .flat_map(|(_, scorer)| scorer.finish())
+                    .collect());
+            };
+            after = last.0;
+            for row in &rows {
+                for (processing, scorer) in &mut scorers {
+                    scorer.add(&self.member(plan, row, *processing, &mut zeros).await?);
+                }
+            }
+        }
+    }
+
+    /// One point as a score sees it.
+    async fn member(
+        &self,
+        plan: &SweepPlan,
+        row: &Row,
+        processing: Processing,
+        zeros: &mut HashMap<i64, Zero>,
+    ) -> Result<Member, StoreError> {
+        let (_, parameters, id, state, ensemble, signal, spec) = row;
+        let parameters: Map<String, Value> =
+            serde_json::from_str(parameters).map_err(StoreError::corrupt("point"))?;
+        let scale = ["youngs_modulus", "delta0", "gamma0"].map(|name| {
+            let value = parameters.get(name).or_else(|| plan.fixed.get(name));
+            value.and_then(Value::as_f64).unwrap_or(f64::NAN)
+        });
+        let done = state.parse() == Ok(JobState::Done);
+        let mut open = state.parse().is_ok_and(|state: JobState| !state.is_final());
+        if processing.needs_zero() && done {
+            open = zeros.get(ensemble).is_none_or(|zero| zero.open);
+        }
+        let dots = match (self.inner.dots.get((*id, processing)), signal) {
+            (Some(dots), _) => Some(dots),
+            (None, Some(signal)) => {
+                let zero = zeros.get_mut(ensemble).filter(|_| processing.needs_zero());
+                self.dots((*id, processing), signal, spec, zero).await?
+            }
+            (None, None) => None,
+        };
+        Ok(Member {
+            parameters,
+            open,
+            dots,
+            scale,
+        })
+    }
+
+    /// The dot products of one recall, if its zero is there.
+    async fn dots(
+        &self,
+        key: (i64, Processing),
+        artifact: &str,
+        spec: &str,
+        zero: Option<&mut Zero>,
+    ) -> Result<Option<Dots>, StoreError> {
+        let processing = key.1;
+        let background = match zero {
+            Some(zero) => {
+                if let (None, Some(artifact)) = (&zero.signal, &zero.artifact) {
+                    zero.signal = Some(self.signal(artifact).await?);
+                }
+                zero.signal.as_ref()
+            }
+            None => None,
+        };
+        let Ok(artifact) = artifact.parse() else {
+            return Ok(None);
+        };
+        let spec: StageSpec = serde_json::from_str(spec).map_err(StoreError::corrupt("spec"))?;
+        let StageSpec::Recall(recall) = spec else {
+            return Ok(None);
+        };
+        let signal = self.signal(&artifact).await?;
+        let dots = processing
+            .apply(&signal, background)
+            .map(|p_sig| Dots::of(&p_sig, &recall.waveform.bumps()));
+        if let Some(dots) = dots {
+            self.inner.dots.put(key, dots);
+        }
+        Ok(dots)
+    }
+
+    async fn signal(&self, artifact: &ArtifactHash) -> Result<Signal, StoreError> {
+        let bytes = self.artifact_get(artifact).await?;
+        serde_json::from_slice(&bytes).map_err(StoreError::corrupt("signal"))
+    }
+
+    /// The zero recalls that a sweep wants, by ensemble.
+    async fn zeros(&self, plan: &SweepPlan) -> Result<HashMap<i64, Zero>, StoreError> {
+        const ZEROS: &str = "
+            select j.ensemble, j.state, o.artifacts ->> 'signal'
+              from want w join job j on j.id = w.job join ensemble e on e.id = j.ensemble and e.key = j.hash
+              left join outcome o on o.job = j.id
+             where w.sweep = $1 and e.kind = 'recall'";
+        let rows: Vec<(i64, String, Option<String>)> = sqlx::query_as(ZEROS)
+            .bind(plan.id)
+            .fetch_all(self.readers())
+            .await?;
+        let zero = |(ensemble, state, signal): (i64, String, Option<String>)| {
+            let zero = Zero {
+                open: state.parse().is_ok_and(|state: JobState| !state.is_final()),
+                artifact: signal.and_then(|hash| hash.parse().ok()),
+                signal: None,
+            };
+            (ensemble, zero)
+        };
+        Ok(rows.into_iter().map(zero).collect())
+    }
+}
+
+/// A set's value in any column.
+fn column(set: &SetRow, plan: &SweepPlan, name: &str) -> Value {
+    match name {
+        "set" => json!(set.set),
+        "reduce" => json!(set.reduce),
+        "processing" => json!(set.processing),
+        "n" => json!(set.n),
+        "of" => json!(set.of),
+        "provisional" => json!(set.provisional),
+        name => match set.results.get(name) {
+            Some(value) => json!(value),
+            None if plan.axes.iter().any(|axis| axis == name) => {
+                set.parameters.get(name).cloned().unwrap_or(Value::Null)
+            }
+            None => plan.fixed.get(name).cloned().unwrap_or(Value::Null),
+        },
+    }
+}
+
+/// A value to sort by: `null` last, whatever the direction.
+struct Key(Value, bool);
+
+impl Ord for Key {
+    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
+        let nulls = self.0.is_null().cmp(&other.0.is_null());
+        let values = compare(&self.0, &other.0).unwrap_or(std::cmp::Ordering::Equal);
+        nulls.then(if self.1 { values.reverse() } else { values })
+    }
+}
+
+impl PartialOrd for Key {
+    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl PartialEq for Key {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other).is_eq()
+    }
+}
+
+impl Eq for Key {}

@@ -1,0 +1,106 @@
+//! Speeds: what the jobs of each class cost on the machines that served this database.
+
+use std::collections::BTreeMap;
+
+use granary_api::sweep::Prediction;
+use sqlx::SqliteExecutor;
+
+use super::{StoreError, Writing};
+
+/// Speeds remembered per class.
+const SAMPLES: i64 = 101;
+
+/// Grain-steps per second of one core, summed over lanes, before anything was measured here:
+/// about half of what the trial engine reached (MEMORY §5).
+fn default_speed(class: &str) -> f64 {
+    match class.split('/').collect::<Vec<_>>()[..] {
+        ["recall", "sphere", "f32"] => 1e8,
+        ["recall", "sphere", _] => 4e7,
+        ["recall", _, "f32"] => 2e7,
+        ["recall", ..] => 8e6,
+        [_, "sphere", ..] => 1e7,
+        _ => 4e6,
+    }
+}
+
+/// Remembers the speed of one finished job.
+pub(super) async fn speed_add(
+    transaction: &mut Writing,
+    class: &str,
+    grain_steps_per_second: f64,
+) -> Result<(), StoreError> {
+    const ADD: &str = "insert into speed (class, grain_steps_per_second) values ($1, $2)";
+    const FORGET: &str = "
+        delete from speed
+         where class = $1 and id <= (select id from speed where class = $1 order by id desc limit 1 offset $2)";
+    let added = sqlx::query(ADD).bind(class).bind(grain_steps_per_second);
+    added.execute(&mut **transaction).await?;
+    let forget = sqlx::query(FORGET).bind(class).bind(SAMPLES);
+    forget.execute(&mut **transaction).await?;
+    Ok(())
+}
+
+/// The median speed of each class that was measured here.
+async fn medians<'e>(
+    connection: impl SqliteExecutor<'e>,
+) -> Result<BTreeMap<String, f64>, StoreError> {
+    const ALL: &str =
+        "select class, grain_steps_per_second from speed order by class, grain_steps_per_second";
+    let rows: Vec<(String, f64)> = sqlx::query_as(ALL).fetch_all(connection).await?;
+    let mut by_class: BTreeMap<String, Vec<f64>> = BTreeMap::new();
+    for (class, speed) in rows {
+        by_class.entry(class).or_default().push(speed);
+    }
+    let median = |speeds: Vec<f64>| speeds[speeds.len() / 2];
+    Ok(by_class
+        .into_iter()
+        .map(|(class, speeds)| (class, median(speeds)))
+        .collect())
+}
+
+/// What the jobs of `sweep` that are still open will take.
+pub(super) async fn speed_predict(
+    connection: &mut sqlx::SqliteConnection,
+    sweep: i64,
+) -> Result<Prediction, StoreError> {
+    const OPEN: &str = "
+        select e.class, count(*),
+               total(e.grain_steps * (1.0 - case when j.steps > 0 then min(1.0, 1.0 * j.step / j.steps) else 0.0 end)),
+               max(e.bytes)
+          from want w join job j on j.id = w.job join ensemble e on e.id = j.ensemble
+         where w.sweep = $1 and w.state in ('blocked', 'ready', 'leased', 'cancelled')
+         group by e.class";
+    let rows: Vec<(String, i64, f64, i64)> = sqlx::query_as(OPEN)
+        .bind(sweep)
+        .fetch_all(&mut *connection)
+        .await?;
+    let speeds = medians(&mut *connection).await?;
+    let (mut core_seconds, mut memory, mut storage, mut measured) = (0.0, 0, 0, 0);
+    for (class, count, grain_steps, bytes) in &rows {
+        let speed = speeds.get(class).copied();
+        measured += usize::from(speed.is_some());
+        core_seconds += grain_steps / speed.unwrap_or_else(|| default_speed(class));
+        memory = memory.max(*bytes as u64);
+        storage += *count as u64 * stored_bytes(class, *bytes as u64);
+    }
+    let basis = match measured {
+        0 if !rows.is_empty() => "default",
+        n if n == rows.len() => "measured",
+        _ => "mixed",
+    };
+    Ok(Prediction {
+        core_seconds,
+        memory_bytes: memory,
+        storage_bytes: storage,
+        basis: basis.to_owned(),
+    })
+}
+
+/// Files that one job leaves: a state is about as large as the memory of a lone run, a recall leaves curves.
+fn stored_bytes(class: &str, memory: u64) -> u64 {
+    if class.starts_with("recall") {
+        100_000
+    } else {
+        memory
+    }
+}

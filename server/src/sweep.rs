@@ -1,0 +1,362 @@
+//! Sweeps: from a spec as JSON to grids, points and stages; pure.
+//!
+//! [`Plan::read`] finds every mistake at once and counts the points before anything is expanded.
+//! [`expansion::Expansion`] then yields the rows to queue, a chunk at a time.
+
+mod axis;
+pub mod expansion;
+mod mistakes;
+pub mod reduction;
+mod section;
+mod suite;
+
+use std::collections::BTreeMap;
+
+use granary_api::problem::Mistake;
+use granary_core::memory::parameters::{PRESETS, parameter};
+use granary_core::memory::spec::MemoryPoint;
+use granary_core::parameter::shown;
+use serde::Serialize;
+use serde_json::{Map, Value};
+
+pub use axis::Axis;
+pub(crate) use mistakes::nearest as nearest_name;
+use mistakes::{Mistakes, pointer, unknown};
+use reduction::Reduction;
+
+/// How large a sweep may be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Limits {
+    /// Points of one sweep.
+    pub points: u64,
+}
+
+impl Default for Limits {
+    fn default() -> Self {
+        Self { points: 1_000_000 }
+    }
+}
+
+/// A sweep without mistakes, not expanded yet.
+#[derive(Clone, Debug)]
+pub struct Plan {
+    /// What the user calls it.
+    pub name: String,
+    /// The named choice of numerics.
+    pub preset: String,
+    /// Sweeps of higher priority are served first; none if the spec does not say.
+    pub priority: Option<i64>,
+    /// Every parameter's value where no axis says otherwise.
+    pub fixed: Map<String, Value>,
+    /// Products of axes, joined.
+    pub grids: Vec<Vec<Axis>>,
+    /// The chain of reductions.
+    pub reductions: Vec<Reduction>,
+    /// The spec as submitted.
+    pub spec: Value,
+    /// Points of all grids together, before equal ones are merged.
+    pub points: u64,
+}
+
+/// The sections that fix parameters.
+const SECTIONS: [&str; 3] = ["fixed", "numerics", "preparation"];
+/// Every field of a spec.
+const FIELDS: [&str; 9] = [
+    "name",
+    "model",
+    "preset",
+    "priority",
+    "fixed",
+    "numerics",
+    "preparation",
+    "grid",
+    "reduce",
+];
+const MODELS: [&str; 2] = ["memory", "beam"];
+/// The most grids of one sweep.
+const MOST_GRIDS: usize = 100;
+
+impl Plan {
+    /// Reads a spec; otherwise every mistake in it.
+    pub fn read(spec: &Value, limits: Limits) -> Result<Self, Vec<Mistake>> {
+        let mut mistakes = Mistakes::default();
+        let Some(table) = spec.as_object() else {
+            mistakes.add(
+                "",
+                format!("{} is not a sweep: a table is expected", shown(spec)),
+            );
+            return Err(mistakes.into_list());
+        };
+        if !model(table, &mut mistakes) {
+            return Err(mistakes.into_list());
+        }
+        fields(table, &mut mistakes);
+        let preset = preset(table.get("preset"), &mut mistakes);
+        let mut fixed = MemoryPoint::defaults(&preset).unwrap_or_default();
+        let mut written = BTreeMap::new();
+        for name in SECTIONS {
+            section::read(
+                name,
+                table.get(name),
+                &mut fixed,
+                &mut written,
+                &mut mistakes,
+            );
+        }
+        let (grids, points) = grids(table.get("grid"), &written, limits, &mut mistakes);
+        let axes = values_by_axis(table.get("grid"), &grids);
+        let reductions = match table.get("reduce") {
+            Some(value) => reduction::read(value, &axes, &fixed, &mut mistakes),
+            None => reduction::usual(&axes),
+        };
+        let name = name(table.get("name"), &mut mistakes);
+        let priority = priority(table.get("priority"), &mut mistakes);
+        if !mistakes.is_empty() {
+            return Err(mistakes.into_list());
+        }
+        Ok(Self {
+            name,
+            preset,
+            priority,
+            fixed,
+            grids,
+            reductions,
+            spec: spec.clone(),
+            points,
+        })
+    }
+
+    /// The parameters that vary, in the order in which the spec first names them.
+    #[must_use]
+    pub fn axes(&self) -> Vec<&'static str> {
+        let mut names = vec![];
+        for axis in self.grids.iter().flatten() {
+            if !names.contains(&axis.name) {
+                names.push(axis.name);
+            }
+        }
+        names
+    }
+
+    /// Whether the zero waveform must be recalled in every trained pack.
+    #[must_use]
+    pub fn needs_zero(&self) -> bool {
+        self.reductions.iter().any(Reduction::needs_zero)
+    }
+
+    /// What makes two sweeps the same: everything but the priority, after defaults.
+    ///
+    /// # Panics
+    /// Never: a plan is plain data, and hashing does not fail.
+    #[must_use]
+    pub fn identity(&self) -> [u8; 32] {
+        #[derive(Serialize)]
+        struct Identity<'a> {
+            name: &'a str,
+            preset: &'a str,
+            fixed: BTreeMap<&'a String, &'a Value>,
+            grids: Vec<Vec<(&'a str, &'a [Value])>>,
+            reductions: &'a [Reduction],
+        }
+        let axes = |grid: &'_ Vec<Axis>| -> Vec<(&'static str, Vec<Value>)> {
+            grid.iter()
+                .map(|axis| (axis.name, axis.values.clone()))
+                .collect()
+        };
+        let owned: Vec<_> = self.grids.iter().map(axes).collect();
+        let grids = owned
+            .iter()
+            .map(|grid| {
+                grid.iter()
+                    .map(|(name, values)| (*name, values.as_slice()))
+                    .collect()
+            })
+            .collect();
+        let identity = Identity {
+            name: &self.name,
+            preset: &self.preset,
+            fixed: self.fixed.iter().collect(),
+            grids,
+            reductions: &self.reductions,
+        };
+        let mut hasher = blake3::Hasher::new();
+        serde_json::to_writer(&mut hasher, &identity).expect("plain data, and hashing never fails");
+        *hasher.finalize().as_bytes()
+    }
+}
+
+/// Whether the model is one that can be read any further.
+fn model(table: &Map<String, Value>, mistakes: &mut Mistakes) -> bool {
+    match table.get("model") {
+        Some(Value::String(name)) if name == "memory" => return true,
+        Some(Value::String(name)) if name == "beam" => {
+            mistakes.add("/model", "\"beam\" is not available yet; \"memory\" is");
+        }
+        Some(Value::String(name)) => {
+            mistakes.add("/model", unknown("model", name, MODELS.into_iter()));
+        }
+        Some(other) => mistakes.add(
+            "/model",
+            format!("{} is not a model: memory, beam", shown(other)),
+        ),
+        None => {
+            mistakes.add("/model", "missing: memory or beam");
+            // A spec without a model is most likely the one model there is: its other mistakes are told too.
+            return true;
+        }
+    }
+    false
+}
+
+fn fields(table: &Map<String, Value>, mistakes: &mut Mistakes) {
+    for key in table.keys().filter(|key| !FIELDS.contains(&key.as_str())) {
+        let detail = match parameter(key) {
+            Some(row) => format!(
+                "{key} is a parameter: it belongs in [{}] or in a [[grid]]",
+                row.section.name()
+            ),
+            None => unknown("field of a sweep", key, FIELDS.into_iter()),
+        };
+        mistakes.add(&pointer("", key), detail);
+    }
+}
+
+fn preset(value: Option<&Value>, mistakes: &mut Mistakes) -> String {
+    let names = || PRESETS.iter().map(|preset| preset.name);
+    match value {
+        None => {}
+        Some(Value::String(name)) if names().any(|known| known == name) => return name.clone(),
+        Some(Value::String(name)) => mistakes.add("/preset", unknown("preset", name, names())),
+        Some(other) => mistakes.add("/preset", format!("{} is not a preset", shown(other))),
+    }
+    "standard".to_owned()
+}
+
+fn name(value: Option<&Value>, mistakes: &mut Mistakes) -> String {
+    match value {
+        None => "memory".to_owned(),
+        Some(Value::String(name)) if (1..=200).contains(&name.chars().count()) => name.clone(),
+        Some(other) => {
+            mistakes.add(
+                "/name",
+                format!("{} is not a name of 1 … 200 characters", shown(other)),
+            );
+            String::new()
+        }
+    }
+}
+
+fn priority(value: Option<&Value>, mistakes: &mut Mistakes) -> Option<i64> {
+    let value = value?;
+    let priority = value.as_i64().filter(|p| (-1000..=1000).contains(p));
+    if priority.is_none() {
+        mistakes.add(
+            "/priority",
+            format!("{} is not a whole number in -1000 … 1000", shown(value)),
+        );
+    }
+    priority
+}
+
+/// The grids and the number of their points; without `[[grid]]` there is one point.
+fn grids(
+    value: Option<&Value>,
+    written: &BTreeMap<&'static str, &'static str>,
+    limits: Limits,
+    mistakes: &mut Mistakes,
+) -> (Vec<Vec<Axis>>, u64) {
+    let Some(value) = value else {
+        return (vec![vec![]], 1);
+    };
+    let Some(tables) = value.as_array() else {
+        mistakes.add(
+            "/grid",
+            format!("{} is not a list of tables: write [[grid]]", shown(value)),
+        );
+        return (vec![], 0);
+    };
+    if tables.is_empty() || tables.len() > MOST_GRIDS {
+        mistakes.add(
+            "/grid",
+            format!("{} grids: there must be 1 … {MOST_GRIDS}", tables.len()),
+        );
+        return (vec![], 0);
+    }
+    let mut grids = vec![];
+    let mut points: Option<u128> = Some(0);
+    for (k, table) in tables.iter().enumerate() {
+        let at = pointer("/grid", &k.to_string());
+        let (grid, count) = grid(table, &at, written, limits, mistakes);
+        grids.push(grid);
+        points = points.zip(count).and_then(|(a, b)| a.checked_add(b));
+    }
+    match points {
+        Some(points) if points <= u128::from(limits.points) => (grids, points as u64),
+        other => {
+            let count = other.map_or("more than 10^38".to_owned(), |n| n.to_string());
+            mistakes.add(
+                "/grid",
+                format!("{count} points: a sweep may have at most {}", limits.points),
+            );
+            (grids, 0)
+        }
+    }
+}
+
+/// One grid and its number of points; `None` if that number is beyond counting.
+fn grid(
+    value: &Value,
+    at: &str,
+    written: &BTreeMap<&'static str, &'static str>,
+    limits: Limits,
+    mistakes: &mut Mistakes,
+) -> (Vec<Axis>, Option<u128>) {
+    let Some(table) = value.as_object().filter(|table| !table.is_empty()) else {
+        mistakes.add(
+            at,
+            format!(
+                "{} is not a grid: a table with at least one axis",
+                shown(value)
+            ),
+        );
+        return (vec![], Some(0));
+    };
+    let mut axes = vec![];
+    let mut points: Option<u128> = Some(1);
+    for (name, value) in table {
+        let place = pointer(at, name);
+        let Some(row) = parameter(name) else {
+            mistakes.add(&place, section::unknown_parameter(name));
+            continue;
+        };
+        if let Some(section) = written.get(row.name) {
+            mistakes.add(&place, format!("{name} is an axis here, but fixed at /{section}/{name}: it can be one of them only"));
+        }
+        if let Some(counted) = axis::read(row, value, &place, limits.points, mistakes) {
+            points = points.and_then(|n| n.checked_mul(counted.count));
+            axes.extend(counted.axis);
+        }
+    }
+    (axes, points)
+}
+
+/// Every axis that the spec names, even a wrong one, with values that it takes.
+fn values_by_axis<'a>(
+    value: Option<&'a Value>,
+    grids: &'a [Vec<Axis>],
+) -> BTreeMap<&'a str, Vec<Value>> {
+    let tables = value
+        .and_then(Value::as_array)
+        .map_or(&[][..], Vec::as_slice);
+    let names = tables
+        .iter()
+        .filter_map(Value::as_object)
+        .flat_map(Map::keys);
+    let mut map: BTreeMap<&str, Vec<Value>> = names.map(|name| (name.as_str(), vec![])).collect();
+    for axis in grids.iter().flatten() {
+        let values = map.entry(axis.name).or_default();
+        // Only flags are looked at by value, so a few of a long axis are enough.
+        values.extend(axis.values.iter().take(2).cloned());
+    }
+    map
+}

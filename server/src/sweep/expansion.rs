@@ -1,0 +1,310 @@
+//! Expansion: the points of a plan and the jobs they need, a chunk at a time, in bounded memory.
+//!
+//! Points that share a trained pack are expanded together (a *trunk*), whatever the order of the axes,
+//! so that a pack is named once and its recalls stand side by side in the queue.
+//! A point keeps the number that the declared order of the axes gives it.
+
+use std::collections::HashSet;
+
+use granary_core::identity::{StageId, canonical_json};
+use granary_core::memory::spec::{MemoryPoint, PackSpec, Precision, ShapeName};
+use granary_core::memory::waveform::Waveform;
+use granary_core::stage::{StageSpec, Work, stages_of};
+use serde_json::Value;
+
+use super::{Axis, Plan};
+
+/// Axes that only the recall sees; all others make a trunk.
+const LEAVES: [&str; 2] = ["waveform", "gamma0"];
+/// The most different warnings of one sweep.
+const MOST_WARNINGS: usize = 20;
+
+/// A stage to be queued.
+#[derive(Clone, Debug)]
+pub struct NewJob {
+    /// Its identity.
+    pub id: StageId,
+    /// Its spec.
+    pub spec: StageSpec,
+    /// The ensemble that it runs in.
+    pub ensemble: StageId,
+}
+
+/// Jobs that run side by side, and what each costs.
+#[derive(Clone, Debug)]
+pub struct NewEnsemble {
+    /// Their common key.
+    pub key: StageId,
+    /// The kind of stage.
+    pub kind: &'static str,
+    /// Kind, shape and precision: jobs of one class run at one speed.
+    pub class: String,
+    /// How many run side by side.
+    pub lanes: usize,
+    /// The size of one.
+    pub work: Work,
+}
+
+/// A row of the sweep's table.
+#[derive(Clone, Debug)]
+pub struct NewPoint {
+    /// Its number.
+    pub point: u64,
+    /// Its recall.
+    pub job: StageId,
+    /// The parameters that vary, as JSON.
+    pub parameters: String,
+}
+
+/// Rows to insert together.
+#[derive(Debug, Default)]
+pub struct Chunk {
+    /// Every ensemble of `jobs`.
+    pub ensembles: Vec<NewEnsemble>,
+    /// In an order in which each comes after the one it needs.
+    pub jobs: Vec<NewJob>,
+    /// Their jobs are in this chunk.
+    pub points: Vec<NewPoint>,
+}
+
+/// The points of a plan that are still to come.
+pub struct Expansion<'a> {
+    plan: &'a Plan,
+    /// The text `"name":value` of every axis where no grid says otherwise.
+    columns: Vec<(&'static str, String)>,
+    needs_zero: bool,
+    grid: usize,
+    first_point: u64,
+    trunk: u64,
+    leaf: u64,
+    current: Option<Trunk>,
+    /// Points seen so far, kept only if several grids can name one twice.
+    seen: Option<HashSet<[u8; 16]>>,
+    warnings: Vec<String>,
+}
+
+/// Everything that the points of one trained pack share.
+struct Trunk {
+    point: MemoryPoint,
+    train: StageId,
+    ensemble: StageId,
+}
+
+impl<'a> Expansion<'a> {
+    /// All points of `plan`.
+    #[must_use]
+    pub fn new(plan: &'a Plan) -> Self {
+        let column = |name: &'static str| (name, fragment(name, &plan.fixed[name]));
+        Self {
+            plan,
+            columns: plan.axes().into_iter().map(column).collect(),
+            needs_zero: plan.needs_zero(),
+            grid: 0,
+            first_point: 0,
+            trunk: 0,
+            leaf: 0,
+            current: None,
+            seen: (plan.grids.len() > 1).then(HashSet::new),
+            warnings: vec![],
+        }
+    }
+
+    /// What is allowed but unwise about the points so far.
+    #[must_use]
+    pub fn into_warnings(self) -> Vec<String> {
+        self.warnings
+    }
+
+    /// The next rows, about `most` of them; none at the end.
+    pub fn next_chunk(&mut self, most: usize) -> Option<Chunk> {
+        let mut chunk = Chunk::default();
+        while chunk.jobs.len() < most && self.grid < self.plan.grids.len() {
+            self.point(&mut chunk);
+            self.advance();
+        }
+        (!chunk.jobs.is_empty() || self.grid < self.plan.grids.len()).then_some(chunk)
+    }
+
+    fn axes(&self) -> &'a [Axis] {
+        &self.plan.grids[self.grid]
+    }
+
+    /// Adds the point at hand, and the jobs of its trunk if it is the first there.
+    fn point(&mut self, chunk: &mut Chunk) {
+        let choice = Choice::of(self.axes(), self.trunk, self.leaf);
+        let trunk = match self.current.take() {
+            Some(trunk) => trunk,
+            None => self.plant(&choice, chunk),
+        };
+        let parameters = self.parameters(&choice);
+        if self.is_new(&parameters) {
+            let mut point = trunk.point.clone();
+            choice.grow(self.axes(), &mut point);
+            self.warn(&point);
+            let spec = StageSpec::Recall(point.recall(trunk.train));
+            let id = spec.id();
+            chunk.points.push(NewPoint {
+                point: self.first_point + choice.number,
+                job: id,
+                parameters,
+            });
+            chunk.jobs.push(NewJob {
+                id,
+                spec,
+                ensemble: trunk.ensemble,
+            });
+        }
+        self.current = Some(trunk);
+    }
+
+    fn advance(&mut self) {
+        self.leaf += 1;
+        if self.leaf < size(self.axes(), true) {
+            return;
+        }
+        (self.leaf, self.trunk, self.current) = (0, self.trunk + 1, None);
+        if self.trunk < size(self.axes(), false) {
+            return;
+        }
+        self.first_point += size(self.axes(), true) * size(self.axes(), false);
+        (self.trunk, self.grid) = (0, self.grid + 1);
+    }
+
+    /// Makes the trunk of `choice` and queues its pack, its training and, if asked for, its zero recall.
+    fn plant(&self, choice: &Choice, chunk: &mut Chunk) -> Trunk {
+        let mut map = self.plan.fixed.clone();
+        for (axis, &index) in self.axes().iter().zip(&choice.indices) {
+            map.insert(axis.name.to_owned(), axis.values[index].clone());
+        }
+        let point = MemoryPoint::from_parameters(map)
+            .expect("the plan holds every parameter, each checked against the table");
+        let [pack, train, zero] = stages_of(&MemoryPoint {
+            waveform: Waveform::Zero,
+            ..point.clone()
+        });
+        let shape = point.pack();
+        let train_id = train.id();
+        let ensemble = zero.ensemble_key();
+        for spec in [&pack, &train, &zero] {
+            chunk.ensembles.push(new_ensemble(spec, &shape));
+        }
+        let helpers = if self.needs_zero { 3 } else { 2 };
+        for spec in [pack, train, zero].into_iter().take(helpers) {
+            chunk.jobs.push(NewJob {
+                id: spec.id(),
+                ensemble: spec.ensemble_key(),
+                spec,
+            });
+        }
+        Trunk {
+            point,
+            train: train_id,
+            ensemble,
+        }
+    }
+
+    /// The parameters of a point that vary in the sweep, as JSON in the order of the axes.
+    fn parameters(&self, choice: &Choice) -> String {
+        let axes = self.axes();
+        let mut text = String::from("{");
+        for (name, fixed) in &self.columns {
+            if text.len() > 1 {
+                text.push(',');
+            }
+            match axes.iter().position(|axis| axis.name == *name) {
+                Some(k) => text.push_str(&fragment(name, &axes[k].values[choice.indices[k]])),
+                None => text.push_str(fixed),
+            }
+        }
+        text.push('}');
+        text
+    }
+
+    fn is_new(&mut self, parameters: &str) -> bool {
+        let Some(seen) = &mut self.seen else {
+            return true;
+        };
+        let hash = blake3::hash(parameters.as_bytes());
+        let mut short = [0; 16];
+        short.copy_from_slice(&hash.as_bytes()[..16]);
+        seen.insert(short)
+    }
+
+    fn warn(&mut self, point: &MemoryPoint) {
+        for warning in point.warnings() {
+            if self.warnings.len() < MOST_WARNINGS && !self.warnings.contains(&warning) {
+                self.warnings.push(warning);
+            }
+        }
+    }
+}
+
+/// Which value each axis of a grid has at one point.
+struct Choice {
+    indices: Vec<usize>,
+    /// The point's number in the declared order, the last axis fastest.
+    number: u64,
+}
+
+impl Choice {
+    fn of(axes: &[Axis], mut trunk: u64, mut leaf: u64) -> Self {
+        let mut indices = vec![0; axes.len()];
+        for (k, axis) in axes.iter().enumerate().rev() {
+            let n = axis.values.len() as u64;
+            let part = if is_leaf(axis) { &mut leaf } else { &mut trunk };
+            indices[k] = (*part % n) as usize;
+            *part /= n;
+        }
+        let number = axes.iter().zip(&indices).fold(0, |number, (axis, &index)| {
+            number * axis.values.len() as u64 + index as u64
+        });
+        Self { indices, number }
+    }
+
+    /// Gives `point` the values of the axes that only a recall sees.
+    fn grow(&self, axes: &[Axis], point: &mut MemoryPoint) {
+        let fixed = |name: &str| axes.iter().position(|axis| axis.name == name);
+        if let Some(k) = fixed("gamma0") {
+            point.gamma0 = axes[k].values[self.indices[k]]
+                .as_f64()
+                .expect("checked against the table");
+        }
+        if let Some(k) = fixed("waveform") {
+            point.waveform = Waveform::parse(&axes[k].values[self.indices[k]])
+                .expect("checked against the table");
+        }
+    }
+}
+
+fn is_leaf(axis: &Axis) -> bool {
+    LEAVES.contains(&axis.name)
+}
+
+/// The number of combinations of the axes that are leaves, or of those that are not.
+fn size(axes: &[Axis], leaves: bool) -> u64 {
+    let some = axes.iter().filter(|axis| is_leaf(axis) == leaves);
+    some.map(|axis| axis.values.len() as u64).product()
+}
+
+fn fragment(name: &str, value: &Value) -> String {
+    format!("\"{name}\":{}", canonical_json(value))
+}
+
+fn new_ensemble(spec: &StageSpec, pack: &PackSpec) -> NewEnsemble {
+    let shape = match pack.shape {
+        ShapeName::Sphere => "sphere",
+        ShapeName::Tetrahedron => "tetrahedron",
+    };
+    let precision = match spec {
+        StageSpec::Recall(recall) if recall.precision == Precision::F32 => "f32",
+        _ => "f64",
+    };
+    let kind = spec.kind().name();
+    NewEnsemble {
+        key: spec.ensemble_key(),
+        kind,
+        class: format!("{kind}/{shape}/{precision}"),
+        lanes: spec.max_lanes(),
+        work: spec.work(pack),
+    }
+}

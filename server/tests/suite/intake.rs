@@ -1,0 +1,47 @@
+//! Intake of a large sweep: counts and limits.
+
+use serde_json::json;
+
+use crate::harness::{fresh, fresh_with, sweep_of};
+
+#[tokio::test]
+async fn hundred_thousand_points_are_taken_in_and_the_table_shows_them_all() {
+    let fresh = fresh().await;
+    let spec = json!({
+        "name": "large", "model": "memory", "fixed": {"grains": 10},
+        "grid": [{"friction_coefficient": {"linspace": [0, 1, 25]}, "waveform": {"suite": "binary_words", "bits": 12}}],
+    });
+    let submitted = fresh.submit(&spec).await;
+    // One pack; for each friction a train and a zero.
+    assert_eq!(
+        (submitted.points, submitted.jobs.total),
+        (102_400, 102_400 + 1 + 25 + 25)
+    );
+    let sweep = sweep_of(&submitted);
+    let page = fresh
+        .get(&format!(
+            "/api/v1/sweeps/{sweep}/points?where=friction_coefficient=1&sort=-point&limit=2"
+        ))
+        .await;
+    let page = page.json();
+    assert_eq!(page["total"], 4096);
+    assert_eq!(page["items"][0]["point"], 102_399);
+    assert_eq!(
+        page["items"][0]["parameters"]["waveform"],
+        "binary_words/12/4095"
+    );
+    let again = fresh.submit(&spec).await;
+    assert_eq!((again.sweep, again.jobs.new), (submitted.sweep, 0));
+}
+
+#[tokio::test]
+async fn sweep_beyond_the_configured_size_is_refused_with_its_count() {
+    let fresh = fresh_with(|config| config.sweep.points = 10).await;
+    let spec = json!({"model": "memory", "grid": [{"packing_seed": {"range": [1, 11]}}]});
+    let answer = fresh.post("/api/v1/sweeps", &spec).await;
+    assert_eq!(answer.status, 422);
+    assert_eq!(
+        answer.json()["errors"][0]["detail"],
+        "11 points: a sweep may have at most 10"
+    );
+}

@@ -1,0 +1,14 @@
+//! The server's tests: each on a fresh, migrated database, through the store or through the routes.
+
+mod harness;
+
+mod artifacts;
+mod endings;
+mod events;
+mod gate;
+mod intake;
+mod leases;
+mod results;
+mod routes;
+mod spec;
+mod wanting;

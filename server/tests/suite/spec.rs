@@ -1,0 +1,413 @@
+//! Specs: what is refused, with every mistake at once; and what the accepted forms mean.
+
+use granary_server::sweep::expansion::Expansion;
+use granary_server::sweep::{Limits, Plan};
+use serde_json::{Value, json};
+
+use crate::harness::fresh;
+
+/// A sweep that is right but for what `wrong` puts over it.
+fn with(wrong: &Value) -> Value {
+    let mut spec = json!({"model": "memory"});
+    let table = spec.as_object_mut().expect("a table");
+    table.extend(wrong.as_object().expect("a table").clone());
+    spec
+}
+
+/// Bad input and why it is bad; the answers are in the snapshot.
+fn bad_specs() -> Vec<(&'static str, Value)> {
+    let grid = |axis: Value| with(&json!({"grid": [axis]}));
+    let fixed = |values: Value| with(&json!({"fixed": values}));
+    let thousand: Vec<u32> = (1..=1000).collect();
+    vec![
+        ("not a table", json!([1, 2])),
+        ("no model", json!({"name": "x"})),
+        ("unknown model", json!({"model": "memmory"})),
+        ("model not available yet", json!({"model": "beam"})),
+        ("unknown preset", with(&json!({"preset": "standrad"}))),
+        ("unknown section", with(&json!({"fxied": {}}))),
+        ("parameter at the top", with(&json!({"grains": 10}))),
+        (
+            "unknown parameter",
+            fixed(json!({"frction_coefficient": 0.3})),
+        ),
+        ("a symbol for a name", fixed(json!({"μ": 0.3}))),
+        ("numerics under fixed", fixed(json!({"time_step": 1.0}))),
+        (
+            "fixed under numerics",
+            with(&json!({"numerics": {"grains": 10}})),
+        ),
+        ("no grains", fixed(json!({"grains": 0}))),
+        ("too many grains", fixed(json!({"grains": 100_000_000}))),
+        ("half a grain", fixed(json!({"grains": 1.5}))),
+        ("grains as text", fixed(json!({"grains": "1024"}))),
+        ("delta0 zero", fixed(json!({"delta0": 0}))),
+        ("delta0 too large", fixed(json!({"delta0": 0.31}))),
+        ("gamma0 too large", fixed(json!({"gamma0": 0.6}))),
+        ("poisson ratio -1", fixed(json!({"poisson_ratio": -1}))),
+        (
+            "poisson ratio too large",
+            fixed(json!({"poisson_ratio": 0.51})),
+        ),
+        ("overlap below 0", fixed(json!({"overlap": -0.1}))),
+        (
+            "negative friction",
+            fixed(json!({"friction_coefficient": -0.1})),
+        ),
+        ("null for a number", fixed(json!({"youngs_modulus": null}))),
+        ("unknown shape", fixed(json!({"shape": "cube"}))),
+        ("law in lower case", fixed(json!({"force_law": "h"}))),
+        (
+            "unknown precision",
+            with(&json!({"numerics": {"precision": "f16"}})),
+        ),
+        (
+            "flag as a number",
+            with(&json!({"numerics": {"second_cycle": 1}})),
+        ),
+        (
+            "axis under fixed",
+            fixed(json!({"friction_coefficient": [0.1, 0.2]})),
+        ),
+        ("unknown waveform", fixed(json!({"waveform": "six/7"}))),
+        (
+            "bumps that overlap",
+            fixed(json!({"waveform": {"width": 0.2, "centers": [0.5, 0.6], "amplitudes": [1, 1]}})),
+        ),
+        ("grid not a list", with(&json!({"grid": {"grains": [1]}}))),
+        ("no grids", with(&json!({"grid": []}))),
+        ("grid without axis", with(&json!({"grid": [{}]}))),
+        ("empty axis", grid(json!({"friction_coefficient": []}))),
+        ("unknown axis", grid(json!({"friction": [0.1]}))),
+        (
+            "values out of range",
+            grid(json!({"friction_coefficient": [0.1, -1, "x", 200]})),
+        ),
+        (
+            "value twice",
+            grid(json!({"friction_coefficient": [0.1, 0.2, 0.1]})),
+        ),
+        (
+            "axis that is fixed too",
+            with(&json!({"fixed": {"grains": 5}, "grid": [{"grains": [1, 2]}]})),
+        ),
+        (
+            "linspace of two numbers",
+            grid(json!({"friction_coefficient": {"linspace": [0, 1]}})),
+        ),
+        (
+            "linspace of nothing",
+            grid(json!({"friction_coefficient": {"linspace": [0, 1, 0]}})),
+        ),
+        (
+            "linspace of a whole number",
+            grid(json!({"packing_seed": {"linspace": [1, 2, 4]}})),
+        ),
+        (
+            "range of fractions",
+            grid(json!({"packing_seed": {"range": [1, 2.5]}})),
+        ),
+        (
+            "range backwards",
+            grid(json!({"packing_seed": {"range": [5, 1]}})),
+        ),
+        (
+            "range that stands still",
+            grid(json!({"packing_seed": {"range": [1, 5, 0]}})),
+        ),
+        (
+            "Latin hypercube",
+            grid(json!({"friction_coefficient": {"lhs": [0, 1, 10]}})),
+        ),
+        (
+            "misspelt form",
+            grid(json!({"friction_coefficient": {"linspce": [0, 1, 10]}})),
+        ),
+        (
+            "two forms",
+            grid(json!({"friction_coefficient": {"linspace": [0, 1, 2], "range": [0, 1]}})),
+        ),
+        (
+            "linspace of words",
+            grid(json!({"shape": {"linspace": [0, 1, 2]}})),
+        ),
+        ("suite as a name", grid(json!({"waveform": "six"}))),
+        (
+            "unknown suite",
+            grid(json!({"waveform": {"suite": "sixes"}})),
+        ),
+        (
+            "words of no bits",
+            grid(json!({"waveform": {"suite": "binary_words", "bits": 0}})),
+        ),
+        (
+            "words of 17 bits",
+            grid(json!({"waveform": {"suite": "binary_words", "bits": 17}})),
+        ),
+        (
+            "bits of the six",
+            grid(json!({"waveform": {"suite": "six", "bits": 3}})),
+        ),
+        (
+            "suite of numbers",
+            grid(json!({"grains": {"suite": "six"}})),
+        ),
+        (
+            "10^12 points",
+            grid(
+                json!({"packing_seed": thousand, "friction_coefficient": {"linspace": [0, 1, 1000]},
+            "delta0": {"linspace": [0.01, 0.1, 1000]}, "density": {"linspace": [1, 2, 1000]}}),
+            ),
+        ),
+        (
+            "axis of 10^15",
+            grid(json!({"packing_seed": {"range": [0, 1_000_000_000_000_000_i64]}})),
+        ),
+        (
+            "reduction unknown",
+            with(&json!({"reduce": [{"kind": "gain_fidelty"}]})),
+        ),
+        (
+            "reduction over nothing",
+            with(&json!({"reduce": [{"kind": "gain_fidelity", "over": []}]})),
+        ),
+        (
+            "reduction over a stranger",
+            with(&json!({"reduce": [{"kind": "gain_fidelity", "over": ["waveforms"]}]})),
+        ),
+        (
+            "processing unknown",
+            with(&json!({"reduce": [{"kind": "gain_fidelity", "processing": ["SUB1"]}]})),
+        ),
+        (
+            "SUB2 without second cycle",
+            with(&json!({"numerics": {"second_cycle": false},
+            "reduce": [{"kind": "gain_fidelity", "processing": ["SUB0", "SUB2-BL"]}]})),
+        ),
+        (
+            "mean first",
+            with(&json!({"grid": [{"packing_seed": [1, 2]}], "reduce": [{"kind": "mean_sem"}]})),
+        ),
+        (
+            "mean over what does not vary",
+            with(&json!({"reduce": [{"kind": "gain_fidelity"}, {"kind": "mean_sem"}]})),
+        ),
+        (
+            "gain over its own scale",
+            with(&json!({"grid": [{"gamma0": [1e-3, 2e-3]}],
+            "reduce": [{"kind": "gain_fidelity", "over": ["waveform", "gamma0"]}]})),
+        ),
+        ("name too long", with(&json!({"name": "x".repeat(201)}))),
+        ("priority a fraction", with(&json!({"priority": 0.5}))),
+        (
+            "many at once",
+            json!({"model": "memory", "preset": "fast", "colour": "red", "fixed": {"grains": 0, "delta": 0.1},
+            "numerics": {"radius": 1}, "grid": [{"waveform": []}, {"hold": [-1]}], "reduce": [{"kind": "mean"}]}),
+        ),
+    ]
+}
+
+#[tokio::test]
+async fn bad_specs_are_refused_with_every_mistake_and_nothing_is_queued() {
+    let fresh = fresh().await;
+    let bad = bad_specs();
+    assert!(bad.len() >= 30);
+    let mut answers = serde_json::Map::new();
+    for (why, spec) in bad {
+        let answer = fresh.post("/api/v1/sweeps", &spec).await;
+        assert_eq!(answer.status, 422, "{why}: {}", answer.text());
+        assert_eq!(answer.headers["content-type"], "application/problem+json");
+        let problem = answer.json();
+        let errors = problem["errors"].as_array().expect("a list");
+        let lines = errors.iter().map(|e| json!([e["pointer"], e["detail"]]));
+        answers.insert(why.to_owned(), lines.collect());
+    }
+    insta::assert_json_snapshot!("bad_specs", answers);
+    assert_eq!(fresh.get("/api/v1/sweeps").await.json()["total"], 0);
+}
+
+#[tokio::test]
+async fn bodies_that_are_no_json_are_refused_in_bounded_memory() {
+    let fresh = fresh().await;
+    let deep = "[".repeat(100_000) + &"]".repeat(100_000);
+    let deep_table = "{\"a\":".repeat(100_000) + "1" + &"}".repeat(100_000);
+    let bodies = [
+        ("", 400),
+        ("{", 400),
+        ("model = \"memory\"", 400),
+        (deep.as_str(), 400),
+        (deep_table.as_str(), 400),
+        (r#"{"model": "memory", "fixed": {"delta0": NaN}}"#, 400),
+        (r#"{"model": "memory", "fixed": {"delta0": 1e999}}"#, 400),
+        (
+            r#"{"model": "memory", "fixed": {"delta0": -Infinity}}"#,
+            400,
+        ),
+        (r#"{"model": "memory"} trailing"#, 400),
+        ("\u{fffd}", 400),
+    ];
+    for (body, status) in bodies {
+        let request = crate::harness::request(axum::http::Method::POST, "/api/v1/sweeps")
+            .header("content-type", "application/json")
+            .body(axum::body::Body::from(body.to_owned()))
+            .expect("a request");
+        let answer = fresh.send(request).await;
+        let start: String = body.chars().take(40).collect();
+        assert_eq!(answer.status, status, "{start}");
+        assert_eq!(answer.headers["content-type"], "application/problem+json");
+    }
+}
+
+#[tokio::test]
+async fn body_over_the_limit_is_413() {
+    let fresh = crate::harness::fresh_with(|config| config.body_bytes = 1000).await;
+    let answer = fresh
+        .post("/api/v1/sweeps", &json!({"name": "x".repeat(2000)}))
+        .await;
+    assert_eq!(answer.status, 413);
+    assert_eq!(answer.json()["type"], "/problems/too-large");
+}
+
+fn plan(spec: &Value) -> Plan {
+    Plan::read(spec, Limits::default()).expect("a valid spec")
+}
+
+/// The parameters of every point, by number.
+fn points(spec: &Value) -> Vec<(u64, Value)> {
+    let plan = plan(spec);
+    let mut expansion = Expansion::new(&plan);
+    let mut points = vec![];
+    while let Some(chunk) = expansion.next_chunk(7) {
+        points.extend(chunk.points);
+    }
+    points.sort_by_key(|point| point.point);
+    let read = |text: &str| serde_json::from_str(text).expect("JSON");
+    points
+        .iter()
+        .map(|point| (point.point, read(&point.parameters)))
+        .collect()
+}
+
+fn axis_of(name: &str, value: &Value) -> Vec<Value> {
+    plan(&with(&json!({"grid": [{name: value}]}))).grids[0][0]
+        .values
+        .clone()
+}
+
+#[test]
+fn axes_mean_what_the_manual_says() {
+    assert_eq!(
+        axis_of("friction_coefficient", &json!({"linspace": [0, 1.2, 7]})).len(),
+        7
+    );
+    assert_eq!(
+        axis_of("friction_coefficient", &json!({"linspace": [0, 1, 3]})),
+        [json!(0.0), json!(0.5), json!(1.0)]
+    );
+    assert_eq!(
+        axis_of("friction_coefficient", &json!({"linspace": [0.1, 0.3, 3]}))[2],
+        json!(0.3)
+    );
+    assert_eq!(
+        axis_of("packing_seed", &json!({"range": [1, 4]})),
+        [1, 2, 3, 4]
+    );
+    assert_eq!(
+        axis_of("packing_seed", &json!({"range": [1, 6, 2]})),
+        [1, 3, 5]
+    );
+    assert_eq!(
+        axis_of("packing_seed", &json!({"range": [3, 1, -1]})),
+        [3, 2, 1]
+    );
+    assert_eq!(axis_of("packing_seed", &json!(7)), [7]);
+    assert_eq!(
+        axis_of("second_cycle", &json!([true, false])),
+        [true, false]
+    );
+    assert_eq!(axis_of("waveform", &json!({"suite": "six"})).len(), 6);
+    assert_eq!(
+        axis_of("waveform", &json!({"suite": "binary_words", "bits": 3})).len(),
+        8
+    );
+    assert_eq!(axis_of("waveform", &json!("zero")), ["zero"]);
+    let bumps = json!({"width": 0.2, "centers": [0.5], "amplitudes": [1.0]});
+    assert_eq!(
+        axis_of("waveform", &json!({"suite": "bumps", "bumps": [bumps]})),
+        [bumps.clone()]
+    );
+    assert_eq!(
+        axis_of("waveform", &json!(["zero", {"suite": "six"}, bumps])).len(),
+        8
+    );
+}
+
+#[test]
+fn points_are_numbered_in_the_declared_order_the_last_axis_fastest() {
+    let spec = with(&json!({"grid": [{"waveform": ["six/1", "zero"], "packing_seed": [1, 2]}]}));
+    let expected = [("six/1", 1), ("six/1", 2), ("zero", 1), ("zero", 2)];
+    let expected = expected.iter().enumerate().map(|(k, (waveform, seed))| {
+        (
+            k as u64,
+            json!({"waveform": waveform, "packing_seed": seed}),
+        )
+    });
+    assert_eq!(points(&spec), expected.collect::<Vec<_>>());
+}
+
+#[test]
+fn grids_are_joined_and_a_point_that_two_of_them_name_is_one() {
+    let spec = with(&json!({"grid": [
+        {"friction_coefficient": [0.2, 0.4], "packing_seed": 1},
+        {"friction_coefficient": [0.4, 0.6], "packing_seed": [1, 2]},
+    ]}));
+    let points = points(&spec);
+    assert_eq!(points.len(), 5);
+    assert_eq!(
+        points[4],
+        (5, json!({"friction_coefficient": 0.6, "packing_seed": 2}))
+    );
+}
+
+#[test]
+fn axis_of_one_grid_takes_the_fixed_value_in_another() {
+    let spec = with(&json!({"grid": [{"friction_coefficient": [0.2]}, {"hold": [1.0]}]}));
+    assert_eq!(
+        points(&spec),
+        [
+            (0, json!({"friction_coefficient": 0.2, "hold": 0.2})),
+            (1, json!({"friction_coefficient": 1.0, "hold": 1.0})),
+        ]
+    );
+}
+
+#[test]
+fn what_the_spec_writes_wins_over_its_preset() {
+    let draft = plan(&with(
+        &json!({"preset": "draft", "numerics": {"drag": 0.02}}),
+    ));
+    assert_eq!(
+        (&draft.fixed["drag"], &draft.fixed["ramp"]),
+        (&json!(0.02), &json!(4500.0))
+    );
+}
+
+#[test]
+fn whole_reals_and_key_order_of_sections_do_not_make_another_sweep() {
+    let one = plan(&json!({"model": "memory", "fixed": {"grains": 10, "delta0": 0.1}}));
+    let two =
+        plan(&json!({"fixed": {"delta0": 0.10, "grains": 10.0}, "model": "memory", "priority": 3}));
+    assert_eq!(one.identity(), two.identity());
+    let three = plan(&json!({"model": "memory", "fixed": {"grains": 11, "delta0": 0.1}}));
+    assert_ne!(one.identity(), three.identity());
+}
+
+#[test]
+fn large_shear_is_allowed_with_a_warning() {
+    let plan = plan(&with(&json!({"fixed": {"gamma0": 0.1}})));
+    let mut expansion = Expansion::new(&plan);
+    while expansion.next_chunk(100).is_some() {}
+    let warnings = expansion.into_warnings();
+    assert_eq!(warnings.len(), 1);
+    assert!(warnings[0].contains("gamma0"), "{warnings:?}");
+}

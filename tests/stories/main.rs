@@ -1,0 +1,5 @@
+//! Stories of the whole system.
+
+mod exit_codes;
+mod faults;
+mod same_bits;
