@@ -119,7 +119,7 @@ fn difference(a: &State, b: &State) -> f64 {
 
 /// Rounding of 1e-15 (positions of a few R) in each of 120 steps, grown by e^(ωt) at most.
 ///
-/// ω² = κ ≤ 0.13, the stiffest contact's: 1.5 k_n √0.3 2/m for spheres, and what a tetrahedron adds by turning; but a
+/// ω² = κ ≤ 0.25, the stiffest contact's: 1.5 k_n √0.3 2/m for spheres, and what a tetrahedron adds by turning; but a
 /// contact lasts half a period, π/ω, and lets go: a grain that touches m others in turn multiplies errors by e^π each time.
 /// Three in 60 t_c give e^(3π) = 12,000, and 120 × 1e-15 × 12,000 = 1.5e-9.
 const FRAME_ERROR: f64 = 1.5e-9;
