@@ -98,3 +98,16 @@ fn a_worker_told_to_stop_hands_back_at_once() {
     let _heir = worker(&sandbox, &address);
     all_done_once(&sandbox, &address, &sweep);
 }
+
+#[test]
+fn workers_that_died_with_their_server_cost_no_lease_term() {
+    let sandbox = sandbox();
+    // With a term of an hour, a lease that is not taken back at the start is never seen again by this test.
+    let serve = ["--data", "data", "--workers", "2", "--lease-term", "3600"];
+    let (mut server, address) = sandbox.serve(&serve);
+    let sweep = submit(&sandbox, &address);
+    until_leased(&sandbox, &address);
+    server.kill();
+    let (_server, address) = sandbox.serve(&serve);
+    all_done_once(&sandbox, &address, &sweep);
+}
