@@ -2,7 +2,7 @@
 
 use crate::failure::Done;
 use crate::{
-    bench, demo, models, openapi, replay, results, run, serve, submit, token, watch, worker,
+    bench, demo, models, openapi, replay, results, run, serve, steer, submit, token, watch, worker,
     workers,
 };
 
@@ -16,6 +16,14 @@ pub(crate) enum Command {
     Submit(submit::Args),
     Watch(watch::Args),
     Results(results::Args),
+    /// Give up a sweep; jobs that no other sweep wants are cancelled.
+    Cancel(steer::Args),
+    /// Give no more jobs of a sweep to workers; what runs goes on.
+    Pause(steer::Args),
+    /// Go on with a paused or cancelled sweep.
+    Resume(steer::Args),
+    /// Try poisoned jobs and faults of machines again; broken physics stays as it is.
+    Retry(steer::Args),
     Replay(replay::Args),
     Workers(workers::Args),
     Bench(bench::Args),
@@ -35,6 +43,10 @@ impl Command {
             Self::Submit(args) => submit::run(args).await,
             Self::Watch(args) => watch::run(args).await,
             Self::Results(args) => results::run(args).await,
+            Self::Cancel(args) => steer::run(args, "cancel").await,
+            Self::Pause(args) => steer::run(args, "pause").await,
+            Self::Resume(args) => steer::run(args, "resume").await,
+            Self::Retry(args) => steer::run(args, "retry").await,
             Self::Replay(args) => replay::run(args).await,
             Self::Workers(args) => workers::run(args).await,
             Self::Bench(args) => bench::run(&args),

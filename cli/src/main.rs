@@ -23,6 +23,7 @@ mod replay;
 mod results;
 mod run;
 mod serve;
+mod steer;
 mod submit;
 mod token;
 mod watch;
