@@ -2,8 +2,8 @@
 
 use crate::failure::Done;
 use crate::{
-    bench, demo, models, openapi, replay, results, run, serve, steer, submit, token, watch, worker,
-    workers,
+    bench, demo, models, openapi, replay, results, run, serve, steer, submit, sweeps, token, watch,
+    worker, workers,
 };
 
 /// What `granary` can be told to do.
@@ -15,6 +15,7 @@ pub(crate) enum Command {
     Worker(worker::Args),
     Submit(submit::Args),
     Watch(watch::Args),
+    Sweeps(sweeps::Args),
     Results(results::Args),
     /// Give up a sweep; jobs that no other sweep wants are cancelled.
     Cancel(steer::Args),
@@ -42,6 +43,7 @@ impl Command {
             Self::Worker(args) => worker::run(args).await,
             Self::Submit(args) => submit::run(args).await,
             Self::Watch(args) => watch::run(args).await,
+            Self::Sweeps(args) => sweeps::run(args).await,
             Self::Results(args) => results::run(args).await,
             Self::Cancel(args) => steer::run(args, "cancel").await,
             Self::Pause(args) => steer::run(args, "pause").await,

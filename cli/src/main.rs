@@ -25,6 +25,7 @@ mod run;
 mod serve;
 mod steer;
 mod submit;
+mod sweeps;
 mod token;
 mod watch;
 mod worker;
