@@ -111,3 +111,8 @@ fn workers_that_died_with_their_server_cost_no_lease_term() {
     let (_server, address) = sandbox.serve(&serve);
     all_done_once(&sandbox, &address, &sweep);
 }
+
+#[test]
+fn nothing_acknowledged_is_lost_and_nothing_is_counted_twice() {
+    granary_tests::crash(6);
+}

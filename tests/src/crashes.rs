@@ -3,14 +3,10 @@
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
-use granary_tests::{Finished, Process, Sandbox, tiny};
 use serde_json::Value;
 
-/// Sweeps to submit; `GRANARY_CRASH_SWEEPS` asks for more.
-fn sweeps() -> u32 {
-    let asked = std::env::var("GRANARY_CRASH_SWEEPS").ok();
-    asked.and_then(|count| count.parse().ok()).unwrap_or(6)
-}
+use crate::process::Process;
+use crate::sandbox::{Finished, Sandbox, tiny};
 
 /// The victims.
 struct Service<'a> {
@@ -111,20 +107,23 @@ fn hashes(tables: &Value) -> BTreeMap<String, String> {
     hashes
 }
 
-#[test]
-fn nothing_acknowledged_is_lost_and_nothing_is_counted_twice() {
+/// Submits `sweeps` short sweeps while server and worker are killed, then holds the service to the client's ledger:
+/// every acknowledged sweep is there once, complete, and with the bits of an undisturbed run.
+///
+/// # Panics
+/// If it is not so.
+pub fn crash(sweeps: u32) {
     let seed = fastrand::u64(..);
     fastrand::seed(seed);
-    println!("seed {seed}");
+    eprintln!("random seed {seed}");
     let sandbox = Sandbox::new();
-    let waveforms = "{ suite = \"six\" }";
     let mut service = Service::start(&sandbox);
     let mut ledger = vec![];
-    for number in 1..=sweeps() {
-        // One seed of its own, and one that it shares with the next sweep.
+    for number in 1..=sweeps {
+        // One packing of its own, and one that it shares with the next sweep.
         let seeds = format!("[{number}, {}]", number + 1);
         let spec = format!("{number}.toml");
-        sandbox.write(&spec, &tiny(5, &seeds, waveforms));
+        sandbox.write(&spec, &tiny(5, &seeds, "{ suite = \"six\" }"));
         let sweep = service.submit(&spec);
         service.disturb();
         ledger.push((spec, sweep));
