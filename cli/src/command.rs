@@ -2,8 +2,8 @@
 
 use crate::failure::Done;
 use crate::{
-    bench, demo, models, openapi, replay, results, run, serve, steer, submit, sweeps, token, watch,
-    worker, workers,
+    bench, demo, health, models, openapi, replay, results, run, serve, steer, submit, sweeps,
+    token, watch, worker, workers,
 };
 
 /// What `granary` can be told to do.
@@ -27,6 +27,7 @@ pub(crate) enum Command {
     Retry(steer::Args),
     Replay(replay::Args),
     Workers(workers::Args),
+    Health(health::Args),
     Bench(bench::Args),
     Models(models::Args),
     Openapi(openapi::Args),
@@ -50,6 +51,7 @@ impl Command {
             Self::Resume(args) => steer::run(args, "resume").await,
             Self::Retry(args) => steer::run(args, "retry").await,
             Self::Replay(args) => replay::run(args).await,
+            Self::Health(args) => health::run(args).await,
             Self::Workers(args) => workers::run(args).await,
             Self::Bench(args) => bench::run(&args),
             Self::Models(args) => models::run(&args),

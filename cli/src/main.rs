@@ -17,6 +17,7 @@ mod service;
 
 mod bench;
 mod demo;
+mod health;
 mod models;
 mod openapi;
 mod replay;
