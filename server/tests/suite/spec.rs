@@ -147,7 +147,7 @@ fn axes_mean_what_the_manual_says() {
     let bumps = json!({"width": 0.2, "centers": [0.5], "amplitudes": [1.0]});
     assert_eq!(
         axis_of("waveform", &json!({"suite": "bumps", "bumps": [bumps]})),
-        [bumps.clone()]
+        std::slice::from_ref(&bumps)
     );
     assert_eq!(
         axis_of("waveform", &json!(["zero", {"suite": "six"}, bumps])).len(),
