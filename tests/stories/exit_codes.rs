@@ -82,3 +82,23 @@ fn a_server_off_loopback_without_a_token_does_not_start() {
         refused.stderr
     );
 }
+
+#[test]
+fn a_terminal_sees_a_bar_with_the_time_left() {
+    let sandbox = Sandbox::new();
+    sandbox.write("tiny.toml", &tiny(64, "[1, 2]", ONE));
+    // Every command that logs once panicked on a terminal, and only there: tests had always been pipes.
+    let run = format!("{} run tiny.toml", granary_tests::binary().display());
+    let mut script = std::process::Command::new("script");
+    let script = script.args(["--quiet", "--return", "--command", &run, "/dev/null"]);
+    let script = script
+        .current_dir(sandbox.path("."))
+        .stdin(std::process::Stdio::null());
+    let output = script.output().expect("`script` of bsdutils starts");
+    let text = String::from_utf8_lossy(&output.stdout);
+    assert!(output.status.success(), "{text}");
+    assert!(
+        text.contains("2/2 points done") && text.contains('█'),
+        "{text}"
+    );
+}
