@@ -38,6 +38,18 @@ fn a_server_that_is_not_there_ends_with_4_and_names_the_next_command() {
 }
 
 #[test]
+fn a_plain_address_needs_no_certificates() {
+    let sandbox = Sandbox::new();
+    let mut health = sandbox.command(&["health", "--server", "http://127.0.0.1:9"]);
+    // As in a container without the authorities' certificates.
+    health
+        .env("SSL_CERT_FILE", "/nowhere")
+        .env("SSL_CERT_DIR", "/nowhere");
+    let status = health.status().expect("granary starts");
+    assert_eq!(status.code(), Some(4));
+}
+
+#[test]
 fn failed_points_end_with_3_and_are_shown_with_the_reason() {
     let sandbox = Sandbox::new();
     let spec = tiny(12, "[1]", ONE).replace("ramp = 150.0", "ramp = 3000.0\ntime_step = 5.0");
