@@ -42,6 +42,19 @@ impl Store {
             .collect())
     }
 
+    /// The leases of the workers whose names begin with `prefix`, and their counts of heartbeats.
+    pub async fn lease_beats_of(&self, prefix: &str) -> Result<Vec<(LeaseId, u64)>, StoreError> {
+        const BEATS: &str = "select uuid, beat from lease where substr(worker, 1, length($1)) = $1";
+        let rows: Vec<(uuid::Uuid, i64)> = sqlx::query_as(BEATS)
+            .bind(prefix)
+            .fetch_all(self.readers())
+            .await?;
+        Ok(rows
+            .into_iter()
+            .map(|(id, beat)| (LeaseId(id), beat as u64))
+            .collect())
+    }
+
     /// Takes back a lease whose count is still `beat`; how many jobs it held.
     pub async fn lease_reap(&self, id: LeaseId, beat: u64) -> Result<usize, StoreError> {
         const STALE: &str = "select id from lease where uuid = $1 and beat = $2";
