@@ -100,29 +100,28 @@ impl Cycle {
         self.segments.iter().map(|segment| segment.steps).sum()
     }
 
-    /// The segment that step `n` stands in and the step within it; the last step ends the last segment.
-    fn locate(&self, n: u64) -> (&Segment, u64) {
+    /// u at step `n`, and whether the waveform is applied; the last step ends the last segment.
+    fn locate(&self, n: u64) -> (f64, bool) {
         let mut start = 0;
+        let mut last = (0.0, false);
         for segment in &self.segments {
             if n < start + segment.steps {
-                return (segment, n - start);
+                let share = (n - start) as f64 / segment.steps as f64;
+                return (
+                    segment.from + (segment.to - segment.from) * share,
+                    segment.sheared,
+                );
             }
             start += segment.steps;
+            last = (segment.to, segment.sheared);
         }
-        let last = &self.segments[self.segments.len() - 1];
-        (last, last.steps)
+        last
     }
 
     /// The box of a replica at step `n`.
     fn extent_at(&self, n: u64, program: &Program) -> Box2 {
-        let (segment, local) = self.locate(n);
-        let share = if segment.steps == 0 {
-            1.0
-        } else {
-            local as f64 / segment.steps as f64
-        };
-        let u = segment.from + (segment.to - segment.from) * share;
-        let gamma = if segment.sheared {
+        let (u, sheared) = self.locate(n);
+        let gamma = if sheared {
             program.gamma0 * program.bumps.shear(u)
         } else {
             0.0
