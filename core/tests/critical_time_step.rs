@@ -180,7 +180,7 @@ fn a_time_step_of_two_and_a_half_is_never_an_outcome() {
     for shape in ["tetrahedron", "sphere"] {
         for seed in 1..=4 {
             let point =
-                tiny(json!({"shape": shape, "packing_seed": seed, "grains": 40 + 20 * seed}));
+                tiny(&json!({"shape": shape, "packing_seed": seed, "grains": 40 + 20 * seed}));
             let what = format!("{shape}, seed {seed}");
             let pack = StageSpec::Pack(point.pack());
             let packed = outcome(&pack, &[]);

@@ -23,11 +23,11 @@ fn packs() -> &'static [Trained; 4] {
     static PACKS: OnceLock<[Trained; 4]> = OnceLock::new();
     PACKS.get_or_init(|| {
         [
-            Trained::new(tiny(json!({}))),
-            Trained::new(tiny(json!({"drag": 0.01, "packing_seed": 2}))),
-            Trained::new(tiny(json!({"shape": "sphere", "packing_seed": 3}))),
+            Trained::new(tiny(&json!({}))),
+            Trained::new(tiny(&json!({"drag": 0.01, "packing_seed": 2}))),
+            Trained::new(tiny(&json!({"shape": "sphere", "packing_seed": 3}))),
             Trained::new(tiny(
-                json!({"friction_coefficient": 0.0, "packing_seed": 4}),
+                &json!({"friction_coefficient": 0.0, "packing_seed": 4}),
             )),
         ]
     })

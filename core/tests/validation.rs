@@ -61,7 +61,7 @@ fn score(point: &MemoryPoint, packed: &Outcome) -> (f64, f64) {
     let score = Score::of(&dots, point.youngs_modulus, point.delta0, point.gamma0);
     let gain = score.gain_e_delta0.expect("a gain") / 1000.0;
     let fidelity = score.fidelity.expect("a fidelity");
-    println!(
+    eprintln!(
         "N = {} seed {} time_step {} {:?} μ = {} {:?}: 𝒢 E δ0 = {gain:.3} kPa, 𝓕 = {fidelity:.5}",
         point.grains,
         point.packing_seed,
