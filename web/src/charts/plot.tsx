@@ -8,8 +8,9 @@ import { isLogarithmic, rangeOf, type Series } from "./series";
 
 /** Series told apart by color. */
 const COLORS = 8;
-/** How far marks of neighboring series stand apart, and how near a pointer must be [px]. */
+/** How far apart marks of equal x stand at most, all together; and how near a pointer must be [px]. */
 const APART = 7;
+const SPREAD = 40;
 const NEAR = 24;
 const HEIGHT = 280;
 
@@ -90,14 +91,15 @@ function drawn(series: Series[], x: Quantity, y: Quantity): Drawn[] {
   const text = (at: number, value: number, sem: number | null, whose: string) =>
     `${x.symbol} = ${number(at)}: ${y.symbol} = ${withError(value * y.scale, sem === null ? null : sem * y.scale)}` +
     `${y.unit && ` ${y.unit}`} (${whose})`;
+  const apart = Math.min(APART, SPREAD / (2 * series.length - 1));
   return series.flatMap((one, place) => {
     const color = place < COLORS ? `--series-${place + 1}` : "--quiet";
-    const shift = APART * (2 * place - (series.length - 1));
+    const shift = apart * (2 * place - (series.length - 1));
     const ours = one.marks.map((mark) => ({
       x: mark.x,
       y: mark.y * y.scale,
       sem: (mark.sem ?? 0) * y.scale,
-      shift: shift - APART / 2,
+      shift: shift - apart / 2,
       color,
       open: false,
       faint: mark.provisional,
@@ -107,7 +109,7 @@ function drawn(series: Series[], x: Quantity, y: Quantity): Drawn[] {
       x: mark.x,
       y: mark.mean * y.scale,
       sem: (mark.sem ?? 0) * y.scale,
-      shift: shift + APART / 2,
+      shift: shift + apart / 2,
       color: series.length > 1 ? color : "--ink",
       open: true,
       faint: false,

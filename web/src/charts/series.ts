@@ -29,53 +29,55 @@ const REPLICATE = "packing_seed";
 /** Axes along which results were published, offered even where the sweep does not vary them. */
 const ALWAYS = ["friction_coefficient", "grains"];
 
-/** The axes that sets can be plotted against, the best first. */
+/** The axes that sets can be plotted against, the one with the most values first. */
 export function axesOf(sets: SetRow[], fixed: Record<string, unknown>): string[] {
   const names = new Set(sets.flatMap((set) => Object.keys(set.parameters)));
   const numeric = [...names].filter((name) => sets.every((set) => typeof set.parameters[name] === "number"));
-  const varies = (name: string) => new Set(sets.map((set) => set.parameters[name])).size > 1;
   const known = ALWAYS.filter((name) => !numeric.includes(name) && typeof fixed[name] === "number");
-  const rank = (name: string) => (name === REPLICATE ? 1 : 0) + (varies(name) ? 0 : 2);
-  return [...numeric.sort((a, b) => rank(a) - rank(b)), ...known];
+  const rank = (name: string) => (name === REPLICATE ? 0 : valuesOf(sets, name).size);
+  return [...numeric.sort((a, b) => rank(b) - rank(a)), ...known];
 }
 
-/** The series of `result` against `axis`. */
+function valuesOf(sets: SetRow[], name: string): Set<string> {
+  return new Set(sets.map((set) => parameter(set.parameters[name])));
+}
+
+/** The series of `result` against `axis`; `symbol` names a parameter. */
 export function seriesOf(
   sets: SetRow[],
   axis: string,
   result: Plotted,
   fixed: Record<string, unknown>,
+  symbol: (name: string) => string,
 ): Series[] {
   const series = new Map<string, Series>();
+  const compared = new Set<string>();
+  const processed = new Set(sets.map((set) => set.processing)).size > 1;
   for (const set of sets) {
-    const x = set.parameters[axis] ?? fixed[axis];
-    const y = set.results[result];
     const { [axis]: _, [REPLICATE]: replicate, ...others } = set.parameters;
-    const label = labelOf(others, set.processing);
-    let found = series.get(label);
+    const key = JSON.stringify(others);
+    let found = series.get(`${key} ${set.processing}`);
     if (!found) {
-      const ours = { ...fixed, ...others };
-      found = { label, marks: [], published: choosePublished(PUBLISHED, ours, axis, result) };
-      series.set(label, found);
+      const told = Object.keys(others).filter((name) => valuesOf(sets, name).size > 1);
+      const parts = told.map((name) => `${symbol(name)} = ${parameter(others[name])}`);
+      if (processed && set.processing) parts.push(set.processing);
+      // What was published has one processing: it stands beside the first of ours.
+      const published = compared.has(key) ? [] : choosePublished(PUBLISHED, { ...fixed, ...others }, axis, result);
+      compared.add(key);
+      found = { label: parts.join(", ") || "this sweep", marks: [], published };
+      series.set(`${key} ${set.processing}`, found);
     }
-    if (typeof x !== "number" || typeof y !== "number") continue;
-    const sem = set.results[`${result}_sem`] ?? null;
-    found.marks.push({
-      x,
-      y,
-      sem,
-      provisional: set.provisional,
-      replicate: replicate === undefined || axis === REPLICATE ? "" : `packing ${parameter(replicate)}`,
-    });
+    const mark = markOf(set, set.parameters[axis] ?? fixed[axis], result);
+    const packing = axis === REPLICATE || replicate === undefined ? "" : `packing ${parameter(replicate)}`;
+    if (mark) found.marks.push({ ...mark, replicate: packing });
   }
-  const all = [...series.values()];
-  // What every series shares does not tell them apart.
-  return all.length === 1 ? all.map((only) => ({ ...only, label: "this sweep" })) : all;
+  return [...series.values()];
 }
 
-function labelOf(parameters: Record<string, unknown>, processing: string | null | undefined): string {
-  const parts = Object.entries(parameters).map(([name, value]) => `${name} ${parameter(value)}`);
-  return [...parts, processing ?? ""].filter((part) => part !== "").join(", ");
+function markOf(set: SetRow, x: unknown, result: Plotted): Omit<Mark, "replicate"> | undefined {
+  const y = set.results[result];
+  if (typeof x !== "number" || typeof y !== "number") return undefined;
+  return { x, y, sem: set.results[`${result}_sem`] ?? null, provisional: set.provisional };
 }
 
 /** Whether an axis with these values reads better in logarithms. */

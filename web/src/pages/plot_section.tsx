@@ -45,7 +45,7 @@ export function PlotSection({ sets, model, fixed }: Props) {
         {PLOTTED.map((name) => (
           <Plot
             key={name}
-            series={seriesOf(rows, axis, name, fixed)}
+            series={seriesOf(rows, axis, name, fixed, (name) => parameterQuantity(model, name).symbol)}
             x={parameterQuantity(model, axis)}
             y={resultQuantity(name)}
           />

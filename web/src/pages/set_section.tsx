@@ -76,7 +76,9 @@ function Table({ rows, model }: { rows: SetRow[]; model: Model | undefined }) {
               ))}
               <td class="number">{count(row.n)} of {count(row.of)}</td>
               <td class="remark">
-                {row.provisional && <span class="state running">provisional</span>} {row.missing_reason}
+                {row.provisional && <span class="state running">provisional</span>}
+                {row.provisional && row.missing_reason && ", "}
+                {row.missing_reason}
               </td>
             </tr>
           ))}
