@@ -13,7 +13,7 @@ use granary_worker::machine;
 use serde_json::{Value, json};
 
 use crate::failure::Done;
-use crate::output;
+use crate::{output, table};
 
 /// Steps before the clock starts: the list is built and the caches are warm.
 const WARM_UP: u64 = 50;
@@ -101,9 +101,7 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<Done> {
         output::json(&figures)?;
     } else if let Some(figures) = figures.as_object() {
         for (name, value) in figures {
-            let value = value
-                .as_f64()
-                .map_or_else(|| value.to_string(), |v| format!("{v:.4e}"));
+            let value = table::parameter(Some(value));
             output::line(&format!("{name:26} {value}"))?;
         }
     }
@@ -125,13 +123,14 @@ fn read(path: &Path) -> anyhow::Result<PackFile> {
     serde_json::from_slice(&text).with_context(|| format!("{place} is not a pack file"))
 }
 
-/// A loose pack under the usual pressure, made in a hurry: no compression cycles.
+/// A pack under the usual pressure, made in a hurry: one short compression cycle.
 fn make(shape: Shape, grains: u32) -> anyhow::Result<PackFile> {
     eprintln!("making a pack of {grains} grains");
     let defaults = MemoryPoint::defaults("standard").context("there is a standard preset")?;
     let mut point = MemoryPoint::from_parameters(defaults).map_err(anyhow::Error::msg)?;
     point.grains = grains;
-    point.preparation_cycles = 0;
+    point.preparation_cycles = 1;
+    point.preparation_ramp = 1000.0;
     point.gas_time = 500.0;
     point.rest_kinetic_energy = 1e-7;
     point.shape = match shape {
@@ -245,13 +244,15 @@ fn figures(timed: &[Timed], settings: &Settings, pack: &PackFile) -> Value {
     let share = |timed: &Timed| timed.cpu.as_secs_f64() / timed.wall.as_secs_f64();
     let cpu_share = timed.iter().map(share).sum::<f64>() / timed.len() as f64;
     let replicas = size.lanes as f64;
+    let grain_steps = steps_per_second * size.grains as f64 * replicas;
     let contact_updates = steps_per_second * size.contacts as f64 * replicas;
     json!({
-        "grain_steps_per_second": steps_per_second * size.grains as f64 * replicas,
+        "grain_steps_per_second": grain_steps,
         "contact_updates_per_second": contact_updates,
         "nanoseconds_per_contact": timed.len() as f64 * 1e9 / contact_updates,
         "bytes_per_grain": size.bytes_per_grain,
         "bytes_per_contact": size.bytes_per_candidate,
+        "grain_steps_per_cpu_second": grain_steps / cpu_share,
         "cpu_share": cpu_share,
         "grains": size.grains,
         "contacts": size.contacts,

@@ -130,6 +130,8 @@ pub(crate) fn sets(rows: &[SetRow]) -> Table {
         add_columns(&mut parameters, row.parameters.keys());
         add_columns(&mut results, row.results.keys());
     }
+    // The error of a mean stands beside it.
+    results.sort_by_key(|name| name.trim_end_matches("_sem").to_owned());
     let mut heading = vec![
         "set".to_owned(),
         "reduce".to_owned(),
