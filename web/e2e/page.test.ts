@@ -66,6 +66,14 @@ test("a sweep is watched from nothing to its table, and the table says what the 
   await shows(items.filter((set) => set.reduce === "gain_fidelity"));
   await page.getByText("1–24 of 24").waitFor();
 
+  type Points = { items: { results: object }[] };
+  type Model = { results: { properties: object } };
+  const points = await service.get<Points>(`/sweeps/${sweep}/points?limit=1`);
+  const model = await service.get<Model>("/models/memory");
+  // Every number of a point has a symbol and a unit.
+  expect(Object.keys(model.results.properties)).toEqual(expect.arrayContaining(Object.keys(points.items[0]?.results ?? {})));
+  await page.getByRole("columnheader", { name: "𝒢·E·δ0 [kPa]" }).waitFor();
+
   for (const plot of await page.locator(".plot canvas").all()) {
     expect(await plot.evaluate(inked)).toBeGreaterThan(100);
   }
@@ -84,6 +92,11 @@ test("a failed point is shown with its reason and its remedy", async () => {
   await rows.first().getByText(/unstable at step/).waitFor();
   expect(await rows.count()).toBe(24);
 }, 2 * PATIENCE);
+
+test("a phone shows it all without the page moving sideways", async () => {
+  await page.setViewportSize({ width: 360, height: 740 });
+  await expect.poll(() => page.evaluate("document.documentElement.scrollWidth")).toBe(360);
+});
 
 test("the page never complained, and spoke to its own server only", () => {
   expect(complaints).toEqual([]);

@@ -1,6 +1,6 @@
 // Something read from the server, as a component sees it: on its way, there, or failed.
 
-import { useEffect, useState } from "preact/hooks";
+import { useEffect, useRef, useState } from "preact/hooks";
 import { ApiError } from "./client";
 import { token } from "./token";
 
@@ -12,6 +12,9 @@ export interface Loaded<T> {
   error?: ApiError;
 }
 
+/** After a slow answer the next question waits this many times as long, so that a reader never keeps a server busy. */
+const REST = 4;
+
 /** Loads when `what` changes, forgetting the old answer, and again when `version` does, keeping it. */
 export function useLoaded<T>(
   load: (signal: AbortSignal) => Promise<T>,
@@ -19,18 +22,44 @@ export function useLoaded<T>(
   version: number,
 ): Loaded<T> {
   const [held, hold] = useState<{ what: string; loaded: Loaded<T> }>({ what, loaded: {} });
+  const again = useRef(() => {});
   const bearer = token.value;
   useEffect(() => {
     const abort = new AbortController();
-    load(abort.signal).then(
-      (value) => hold({ what, loaded: { value } }),
-      (error: unknown) => {
-        if (abort.signal.aborted) return;
-        const known = error instanceof ApiError ? error : new ApiError(0, String(error));
-        hold((old) => ({ what, loaded: old.what === what ? { ...old.loaded, error: known } : { error: known } }));
-      },
-    );
+    let [busy, due] = [false, false];
+    const run = async () => {
+      if (abort.signal.aborted) return;
+      [busy, due] = [true, false];
+      const start = performance.now();
+      const loaded = await settled(load(abort.signal));
+      if (abort.signal.aborted) return;
+      hold((old) => {
+        const kept = loaded.error && old.what === what && old.loaded.value !== undefined ? { value: old.loaded.value } : {};
+        return { what, loaded: { ...kept, ...loaded } };
+      });
+      setTimeout(() => {
+        busy = false;
+        if (due) void run();
+      }, REST * (performance.now() - start));
+    };
+    // A question that is under way is not asked anew, only once more.
+    again.current = () => {
+      if (busy) due = true;
+      else void run();
+    };
+    void run();
     return () => abort.abort();
-  }, [what, version, bearer]);
+  }, [what, bearer]);
+  useEffect(() => {
+    if (version > 0) again.current();
+  }, [version]);
   return held.what === what ? held.loaded : {};
+}
+
+async function settled<T>(answer: Promise<T>): Promise<Loaded<T>> {
+  try {
+    return { value: await answer };
+  } catch (error) {
+    return { error: error instanceof ApiError ? error : new ApiError(0, String(error)) };
+  }
 }

@@ -640,6 +640,8 @@ export interface components {
             presets: components["schemas"]["Preset"][];
             /** @description Reductions that it allows, the usual chain first. */
             reductions: unknown[];
+            /** @description Every result, as the properties of a JSON Schema with `x-symbol` and `x-unit`. */
+            results: Record<string, unknown>;
             /** @description What it is, in one sentence. */
             sentence: string;
         };
@@ -672,6 +674,8 @@ export interface components {
                 presets: components["schemas"]["Preset"][];
                 /** @description Reductions that it allows, the usual chain first. */
                 reductions: unknown[];
+                /** @description Every result, as the properties of a JSON Schema with `x-symbol` and `x-unit`. */
+                results: Record<string, unknown>;
                 /** @description What it is, in one sentence. */
                 sentence: string;
             }[];

@@ -9,10 +9,12 @@ import { isLogarithmic, rangeOf, type Series } from "./series";
 /** Series told apart by color. */
 const COLORS = 8;
 /** How far apart marks of equal x stand at most, all together; and how near a pointer must be [px]. */
-const APART = 7;
-const SPREAD = 40;
+const APART = 6;
+const SPREAD = 24;
 const NEAR = 24;
 const HEIGHT = 280;
+/** Steps of an axis of whole numbers. */
+const WHOLE = [0, 1, 2, 3, 4, 5, 6, 7, 8].flatMap((power) => [1, 2, 5].map((step) => step * 10 ** power));
 
 interface Props {
   series: Series[];
@@ -144,7 +146,7 @@ function draw(place: HTMLDivElement, marks: Drawn[], x: Quantity, tell: (text: s
         y: { range: () => yRange },
       },
       series: [{ label: x.symbol }, { show: true, points: { show: false } }],
-      axes: [{ ...axis, size: 34 }, { ...axis, size: 64 }],
+      axes: [{ ...axis, size: 34, ...(xs.every(Number.isInteger) && { incrs: WHOLE }) }, { ...axis, size: 64 }],
       hooks: { draw: [(plot) => marks.forEach((mark) => drawMark(plot, mark, ink(mark.color), ink("--paper")))] },
     },
     [xRange, [null, null]],

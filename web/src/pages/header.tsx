@@ -19,7 +19,7 @@ export function Header() {
 }
 
 /** Asks for a token where the server wants one. */
-export function TokenForm({ reason }: { reason: string }) {
+export function TokenForm() {
   const [text, setText] = useState("");
   const submit = (event: Event) => {
     event.preventDefault();
@@ -28,7 +28,8 @@ export function TokenForm({ reason }: { reason: string }) {
   return (
     <form class="notice" onSubmit={submit}>
       <p>
-        <strong>This server asks for a token.</strong> {reason}
+        <strong>This server asks for a token.</strong>{" "}
+        {token.value === "" ? "Paste one to read on." : "The one in use is not of this server."}
       </p>
       <label>
         Token{" "}
@@ -42,7 +43,7 @@ export function TokenForm({ reason }: { reason: string }) {
       </label>{" "}
       <button type="submit">Use it</button>
       <p class="quiet">
-        It stays in this tab and goes nowhere but to this server. <code>granary token</code> makes one.
+        It stays in this tab and goes nowhere but to this server. <code>granary token create --scope read</code> makes one.
       </p>
     </form>
   );

@@ -47,7 +47,7 @@ export function PlotSection({ sets, model, fixed }: Props) {
             key={name}
             series={seriesOf(rows, axis, name, fixed, (name) => parameterQuantity(model, name).symbol)}
             x={parameterQuantity(model, axis)}
-            y={resultQuantity(name)}
+            y={resultQuantity(model, name)}
           />
         ))}
       </div>

@@ -3,7 +3,7 @@
 import { listPoints, type Model, type Page, type PointRow, type Sweep } from "../api/client";
 import { useLoaded } from "../api/load";
 import { ago, count, number, parameter } from "../format";
-import { parameterQuantity, type Quantity, resultOrder, resultQuantity } from "../quantity";
+import { inOrder, parameterQuantity, type Quantity, resultQuantity } from "../quantity";
 import { hashOf, route, withView } from "../route";
 import { brief } from "./failures";
 import { Heading } from "./heading";
@@ -70,10 +70,8 @@ function Choices({ state }: { state: string }) {
 function Table({ sweep, model, page, from }: { sweep: Sweep; model: Model | undefined; page: Page<PointRow>; from: number }) {
   const all = route.value.view.columns === "all";
   const names = [...new Set(page.items.flatMap((row) => Object.keys(row.results)))];
-  const results = names
-    .filter((name) => all || USUAL.includes(name) || resultOrder(name) === resultOrder("unknown"))
-    .sort((a, b) => resultOrder(a) - resultOrder(b))
-    .map(resultQuantity);
+  const chosen = names.filter((name) => all || USUAL.includes(name));
+  const results = inOrder(model, chosen).map((name) => resultQuantity(model, name));
   const last = from + page.items.length - 1;
   return (
     <>
@@ -131,7 +129,7 @@ function remark({ failure, progress, warnings }: PointRow) {
   if (failure) return <span class="bad">{brief(failure.message)}</span>;
   if (!progress) return warnings.join(" ");
   const share = progress.steps > 0 ? (100 * progress.step) / progress.steps : 0;
-  return `${share.toFixed(0)} % of simulated time; ${progress.worker}, heard ${ago(progress.last_heartbeat, Date.now())}`;
+  return `${share.toFixed(0)} % of simulated time; ${progress.worker}, last heard of ${ago(progress.last_heartbeat, Date.now())}`;
 }
 
 /** The hash of the points of `sweep` in one state. */

@@ -2,7 +2,7 @@
 
 import type { Model, Page, SetRow } from "../api/client";
 import { count, number, parameter, withError } from "../format";
-import { parameterQuantity, type Quantity, resultOrder, resultQuantity } from "../quantity";
+import { inOrder, parameterQuantity, type Quantity, resultQuantity } from "../quantity";
 import { route, withView } from "../route";
 import { reductions } from "./chosen";
 import { Heading } from "./heading";
@@ -44,10 +44,8 @@ export function SetSection({ sets, model }: { sets: Page<SetRow>; model: Model |
 function Table({ rows, model }: { rows: SetRow[]; model: Model | undefined }) {
   const parameters = [...new Set(rows.flatMap((row) => Object.keys(row.parameters)))];
   const names = [...new Set(rows.flatMap((row) => Object.keys(row.results)))];
-  const results = names
-    .filter((name) => !name.endsWith("_sem"))
-    .sort((a, b) => resultOrder(a) - resultOrder(b))
-    .map(resultQuantity);
+  const means = names.filter((name) => !name.endsWith("_sem"));
+  const results = inOrder(model, means).map((name) => resultQuantity(model, name));
   return (
     <div class="scroller" tabIndex={0} role="region" aria-labelledby="sets">
       <table class="sets">

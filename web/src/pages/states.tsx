@@ -14,12 +14,13 @@ interface Props<T> {
 /** Shows `children` once there is something to show; says plainly why not otherwise. */
 export function Await<T>({ loaded, what, children }: Props<T>) {
   const { value, error } = loaded;
-  if (error?.status === 401) return <TokenForm reason={error.message} />;
+  if (error?.status === 401) return <TokenForm />;
   if (value === undefined && error) {
     return (
       <p class="notice bad" role="alert">
-        <strong>No {what}.</strong> {error.message}
-        {error.status === 0 && " It is tried again by itself."}
+        <strong>No {what}:</strong> {error.message}
+        {error.status === 0 ? " It is tried again by itself." : " "}
+        {error.status === 404 && <a href="#/">All sweeps</a>}
       </p>
     );
   }
@@ -28,7 +29,7 @@ export function Await<T>({ loaded, what, children }: Props<T>) {
     <>
       {error && (
         <p class="notice bad" role="alert">
-          <strong>These {what} may be out of date.</strong> {error.message}
+          <strong>The {what} below may be out of date:</strong> {error.message}
         </p>
       )}
       {children(value)}
