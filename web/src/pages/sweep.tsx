@@ -50,7 +50,7 @@ function Summary({ sweep, live }: { sweep: Sweep; live: Live }) {
     ["waiting", count(points.waiting)],
   ];
   if (points.cancelled > 0) facts.push(["cancelled", count(points.cancelled)]);
-  if (sweep.points_per_second) facts.push(["rate", rate(sweep.points_per_second)]);
+  if (sweep.state === "active" && sweep.points_per_second) facts.push(["rate", rate(sweep.points_per_second)]);
   if (typeof sweep.eta_s === "number") facts.push(["to go", duration(sweep.eta_s)]);
   return (
     <section class="summary" aria-label="Progress">

@@ -86,13 +86,13 @@ function Row({ sweep }: { sweep: Sweep }) {
         <span class="quiet"> {sweep.model}, {sweep.preset}</span>
       </th>
       <td><State state={sweep.state} /></td>
-      <td><Bar points={points} /></td>
-      <td class="number">{count(points.done)} of {count(points.total)}</td>
-      <td class={points.failed > 0 ? "number bad" : "number"}>{count(points.failed)}</td>
-      <td class="number">{count(points.running)}</td>
-      <td class="number">{sweep.points_per_second ? rate(sweep.points_per_second) : "–"}</td>
-      <td class="number">{typeof sweep.eta_s === "number" ? duration(sweep.eta_s) : "–"}</td>
-      <td class="number" title={sweep.created_at}>{ago(sweep.created_at, Date.now())}</td>
+      <td class="wide"><Bar points={points} /></td>
+      <td class="number" data-label="done">{count(points.done)} of {count(points.total)}</td>
+      <td class={points.failed > 0 ? "number bad" : "number"} data-label="failed">{count(points.failed)}</td>
+      <td class="number" data-label="running">{count(points.running)}</td>
+      <td class="number" data-label="rate">{sweep.state === "active" && sweep.points_per_second ? rate(sweep.points_per_second) : "–"}</td>
+      <td class="number" data-label="to go">{typeof sweep.eta_s === "number" ? duration(sweep.eta_s) : "–"}</td>
+      <td class="number" data-label="submitted" title={sweep.created_at}>{ago(sweep.created_at, Date.now())}</td>
     </tr>
   );
 }
