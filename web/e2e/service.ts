@@ -4,11 +4,11 @@ import { type ChildProcess, spawn } from "node:child_process";
 import { once } from "node:events";
 import { mkdtemp, rm } from "node:fs/promises";
 import { tmpdir } from "node:os";
-import { join } from "node:path";
+import { join, resolve } from "node:path";
 import { createInterface } from "node:readline";
 
 /** The program under test: `GRANARY`, or what `cargo build` leaves. */
-const GRANARY = process.env.GRANARY ?? join(import.meta.dirname, "../../target/debug/granary");
+const GRANARY = resolve(process.env.GRANARY ?? join(import.meta.dirname, "../../target/debug/granary"));
 
 /** A server and whatever was started beside it. */
 export class Service {
