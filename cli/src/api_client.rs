@@ -62,7 +62,7 @@ impl ServerArgs {
     pub(crate) fn client(&self) -> anyhow::Result<ApiClient> {
         let token = self.token()?;
         Ok(ApiClient::Remote {
-            http: http_client(token.as_deref())?,
+            http: http_client(&self.server, token.as_deref())?,
             server: self.server.trim_end_matches('/').to_owned(),
         })
     }

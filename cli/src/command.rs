@@ -2,8 +2,8 @@
 
 use crate::failure::Done;
 use crate::{
-    bench, demo, models, openapi, replay, results, run, serve, submit, token, watch, worker,
-    workers,
+    bench, demo, health, models, openapi, replay, results, run, serve, steer, submit, sweeps,
+    token, watch, worker, workers,
 };
 
 /// What `granary` can be told to do.
@@ -15,9 +15,19 @@ pub(crate) enum Command {
     Worker(worker::Args),
     Submit(submit::Args),
     Watch(watch::Args),
+    Sweeps(sweeps::Args),
     Results(results::Args),
+    /// Give up a sweep; jobs that no other sweep wants are cancelled.
+    Cancel(steer::Args),
+    /// Give no more jobs of a sweep to workers; what runs goes on.
+    Pause(steer::Args),
+    /// Go on with a paused or cancelled sweep.
+    Resume(steer::Args),
+    /// Try poisoned jobs and faults of machines again; broken physics stays as it is.
+    Retry(steer::Args),
     Replay(replay::Args),
     Workers(workers::Args),
+    Health(health::Args),
     Bench(bench::Args),
     Models(models::Args),
     Openapi(openapi::Args),
@@ -34,8 +44,14 @@ impl Command {
             Self::Worker(args) => worker::run(args).await,
             Self::Submit(args) => submit::run(args).await,
             Self::Watch(args) => watch::run(args).await,
+            Self::Sweeps(args) => sweeps::run(args).await,
             Self::Results(args) => results::run(args).await,
+            Self::Cancel(args) => steer::run(args, "cancel").await,
+            Self::Pause(args) => steer::run(args, "pause").await,
+            Self::Resume(args) => steer::run(args, "resume").await,
+            Self::Retry(args) => steer::run(args, "retry").await,
             Self::Replay(args) => replay::run(args).await,
+            Self::Health(args) => health::run(args).await,
             Self::Workers(args) => workers::run(args).await,
             Self::Bench(args) => bench::run(&args),
             Self::Models(args) => models::run(&args),

@@ -3,10 +3,12 @@
 use std::net::SocketAddr;
 use std::path::PathBuf;
 
+use granary_api::sweep::Sweep;
 use granary_api::table::SetRow;
 use granary_server::Config;
 use serde_json::Value;
 
+use crate::api_client::ApiClient;
 use crate::failure::Done;
 use crate::published::{Mean, published};
 use crate::service::{Service, all_cores};
@@ -66,7 +68,7 @@ fn usual_or_free_port() -> SocketAddr {
     }
 }
 
-/// Submits, follows, prints, and waits for the user's word unless told to `exit`.
+/// Runs the sweep, and waits for the user's word unless told to `exit`.
 async fn show(
     service: &mut Service,
     spec: &SpecFile,
@@ -74,30 +76,37 @@ async fn show(
     address: SocketAddr,
 ) -> anyhow::Result<Done> {
     let client = service.client().await?;
-    let work = async {
-        let submitted = client.submit(spec, false).await?;
-        submit::announce(&submitted);
-        let Some(sweep) = submitted.sweep else {
-            anyhow::bail!("the planner gave the sweep no id");
-        };
-        let finished = watch::follow(&client, sweep).await?;
-        let sets: Vec<SetRow> = client.rows(sweep, "sets", &[]).await?;
-        output::bytes(comparison(&sets, grains(spec)).render().as_bytes())?;
-        if !exit {
-            eprintln!("the same numbers: curl http://{address}/api/v1/sweeps/{sweep}/sets");
-            eprintln!("the page stays at http://{address}; Ctrl-C ends it");
-            std::future::pending::<()>().await;
-        }
-        Ok(watch::verdict(&finished))
-    };
-    tokio::select! {
-        done = work => done,
+    let finished = tokio::select! {
+        finished = compare(&client, spec) => finished?,
         ended = service.watch() => {
             ended?;
             anyhow::bail!("the server ended before the demo");
         }
-        interrupted = interrupt::wait() => interrupted.map(|()| Done::Interrupted),
+        interrupted = interrupt::wait() => return interrupted.map(|()| Done::Interrupted),
+    };
+    if !exit {
+        let sweep = finished.sweep;
+        eprintln!("the same numbers: curl http://{address}/api/v1/sweeps/{sweep}/sets");
+        eprintln!("the page stays at http://{address}; Ctrl-C ends it");
+        tokio::select! {
+            ended = service.watch() => ended?,
+            interrupted = interrupt::wait() => interrupted?,
+        }
     }
+    Ok(watch::verdict(&finished))
+}
+
+/// Submits, follows and prints.
+async fn compare(client: &ApiClient, spec: &SpecFile) -> anyhow::Result<Sweep> {
+    let submitted = client.submit(spec, false).await?;
+    submit::announce(&submitted);
+    let Some(sweep) = submitted.sweep else {
+        anyhow::bail!("the planner gave the sweep no id");
+    };
+    let finished = watch::follow(client, sweep).await?;
+    let sets: Vec<SetRow> = client.rows(sweep, "sets", &[]).await?;
+    output::bytes(comparison(&sets, grains(spec)).render().as_bytes())?;
+    Ok(finished)
 }
 
 fn grains(spec: &SpecFile) -> u64 {

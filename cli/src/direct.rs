@@ -9,7 +9,7 @@ use granary_server::{Store, StoreError};
 use granary_worker::lease_client::{ArtifactClient, ClientError, LeaseClient};
 
 /// How often workers in this process say how far they are \[s\]: a beat costs one small transaction.
-const HEARTBEAT_S: f64 = 1.0;
+const HEARTBEAT_S: f64 = 2.0;
 
 /// The store of this process.
 #[derive(Clone)]

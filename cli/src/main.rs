@@ -18,13 +18,16 @@ mod service;
 
 mod bench;
 mod demo;
+mod health;
 mod models;
 mod openapi;
 mod replay;
 mod results;
 mod run;
 mod serve;
+mod steer;
 mod submit;
+mod sweeps;
 mod token;
 mod watch;
 mod worker;

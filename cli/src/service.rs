@@ -18,6 +18,9 @@ use crate::page;
 /// How long workers in this process wait for work before they ask again.
 const POLL: Duration = Duration::from_secs(20);
 
+/// How the names of workers begin that live in the process of their store.
+const IN_PROCESS: &str = "in-process/";
+
 /// The threads that the machine can run at once.
 pub(crate) fn all_cores() -> usize {
     std::thread::available_parallelism().map_or(1, NonZero::get)
@@ -57,6 +60,7 @@ impl Service {
     /// If the address cannot be had, or is open to others and there is no token.
     pub(crate) async fn listen(&mut self) -> anyhow::Result<SocketAddr> {
         let server = Server::bind(self.store.clone()).await.map_err(explain)?;
+        self.reap_own().await?;
         let address = server.address();
         let shutdown = self.shutdown.clone();
         self.tasks
@@ -69,10 +73,7 @@ impl Service {
     /// # Errors
     /// If the store fails.
     pub(crate) async fn stay_alone(&mut self) -> anyhow::Result<()> {
-        // Nobody else can hold a lease here: those in the database are of processes that were killed.
-        for (lease, beat) in self.store.lease_beats().await? {
-            self.store.lease_reap(lease, beat).await?;
-        }
+        self.reap_own().await?;
         let background = granary_server::background(&self.store, &self.shutdown);
         self.tasks.spawn(async {
             background.join_all().await;
@@ -81,14 +82,24 @@ impl Service {
         Ok(())
     }
 
+    /// Takes back the leases of earlier processes that held this directory: their workers died with them.
+    async fn reap_own(&self) -> anyhow::Result<()> {
+        for (lease, beat) in self.store.lease_beats_of(IN_PROCESS).await? {
+            self.store.lease_reap(lease, beat).await?;
+        }
+        Ok(())
+    }
+
     /// Adds `slots` engine threads, each with its own lease.
     pub(crate) fn work(&mut self, slots: usize) {
         if slots == 0 {
             return;
         }
+        let usual = worker::Config::new(slots);
         let config = worker::Config {
+            name: format!("{IN_PROCESS}{}", usual.name),
             poll: POLL,
-            ..worker::Config::new(slots)
+            ..usual
         };
         let client = DirectLeaseClient::new(self.store.clone());
         let run = lease_loop::run(client, core_engine(), config, self.shutdown.clone());

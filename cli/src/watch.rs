@@ -11,8 +11,8 @@ use crate::failure::{Done, Failure};
 use crate::progress::Progress;
 use crate::{interrupt, output};
 
-/// How often the server is asked.
-const EVERY: Duration = Duration::from_millis(300);
+/// The shortest and the longest time between two questions to the server; a long sweep is asked after less often.
+const PAUSE: (Duration, Duration) = (Duration::from_millis(100), Duration::from_secs(2));
 /// How long a server that restarts may be away.
 const PATIENCE: Duration = Duration::from_secs(30);
 
@@ -53,13 +53,15 @@ pub(crate) async fn until_interrupted(client: &ApiClient, sweep: SweepId) -> any
 /// Follows `sweep` to its end, through restarts of its server.
 pub(crate) async fn follow(client: &ApiClient, sweep: SweepId) -> anyhow::Result<Sweep> {
     let mut progress = Progress::new();
-    let mut heard = Instant::now();
-    let mut ticks = tokio::time::interval(EVERY);
+    let start = Instant::now();
+    let mut heard = start;
     loop {
-        ticks.tick().await;
         let sweep = match client.sweep(sweep).await {
             Ok(sweep) => sweep,
-            Err(error) if is_away(&error) && heard.elapsed() < PATIENCE => continue,
+            Err(error) if is_away(&error) && heard.elapsed() < PATIENCE => {
+                tokio::time::sleep(PAUSE.0).await;
+                continue;
+            }
             Err(error) => return Err(error),
         };
         heard = Instant::now();
@@ -68,6 +70,7 @@ pub(crate) async fn follow(client: &ApiClient, sweep: SweepId) -> anyhow::Result
             progress.finish(&sweep);
             return Ok(sweep);
         }
+        tokio::time::sleep((start.elapsed() / 20).clamp(PAUSE.0, PAUSE.1)).await;
     }
 }
 

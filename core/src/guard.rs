@@ -48,7 +48,7 @@ pub struct Guard {
 impl Guard {
     /// Judges one replica by an observation; `alternation` as [`alternation`] measures it.
     pub fn judge(
-        &self,
+        self,
         time_step: f64,
         seen: &Observation,
         alternation: Option<f64>,
@@ -87,7 +87,7 @@ impl Guard {
         Ok(())
     }
 
-    fn blame(&self, time_step: f64, suspicious: bool, kind: &'static str, detail: &str) -> Stop {
+    fn blame(self, time_step: f64, suspicious: bool, kind: &'static str, detail: &str) -> Stop {
         if suspicious {
             let remedy = format!(
                 "use a time_step of at most {:.2}",

@@ -32,8 +32,9 @@ pub mod wall;
 
 pub mod scene;
 
-pub mod guard;
 pub mod observable;
+
+pub mod guard;
 
 pub mod protocol;
 

@@ -61,14 +61,12 @@ mod tests {
             [a.to_bits(), b.to_bits(), c.to_bits()],
             uniform3(1, Purpose::GasVelocity, 0).map(f64::to_bits)
         );
+        let bits = |seed, purpose| uniform3(seed, purpose, 0).map(f64::to_bits);
         assert_ne!(
-            uniform3(1, Purpose::GasVelocity, 0),
-            uniform3(1, Purpose::GasOrientation, 0)
+            bits(1, Purpose::GasVelocity),
+            bits(1, Purpose::GasOrientation)
         );
-        assert_ne!(
-            uniform3(1, Purpose::GasVelocity, 0),
-            uniform3(2, Purpose::GasVelocity, 0)
-        );
+        assert_ne!(bits(1, Purpose::GasVelocity), bits(2, Purpose::GasVelocity));
     }
 
     #[test]

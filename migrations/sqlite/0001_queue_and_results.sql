@@ -95,13 +95,16 @@ begin
     select raise(abort, 'a job may not move so');
 end;
 
--- Which sweep wants which job, for how many of its points; the state is the job's, kept by the trigger below.
+-- Which sweep wants which job, for how many of its points and which first; helpers and preparation are for none.
+-- The state is the job's, kept by the trigger below.
 create table want (
-    job    integer not null references job (id),
-    sweep  integer not null references sweep (id),
-    state  text    not null,
-    points integer not null,
-    primary key (job, sweep)
+    job         integer not null references job (id),
+    sweep       integer not null references sweep (id),
+    state       text    not null,
+    points      integer not null,
+    first_point integer,
+    primary key (job, sweep),
+    check ((points = 0) = (first_point is null))
 ) strict, without rowid;
 
 create index want_state on want (sweep, state, job, points);
@@ -118,8 +121,6 @@ create table point (
     parameters text    not null,
     primary key (sweep, point)
 ) strict, without rowid;
-
-create index point_job on point (job);
 
 create table outcome (
     job         integer primary key references job (id),

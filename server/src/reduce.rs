@@ -17,6 +17,8 @@ pub struct Member {
     pub open: bool,
     /// Its dot products, if everything they need is there.
     pub dots: Option<Dots>,
+    /// Whether it has an outcome, with dot products or without.
+    pub done: bool,
     /// E \[Pa\], δ0 and γ0.
     pub scale: [f64; 3],
 }
@@ -38,6 +40,8 @@ struct Collected {
     n: u64,
     of: u64,
     open: bool,
+    /// Members with an outcome of their own.
+    done: u64,
 }
 
 impl Scorer {
@@ -64,12 +68,14 @@ impl Scorer {
                 n: 0,
                 of: 0,
                 open: false,
+                done: 0,
             });
             self.sets.len() - 1
         });
         let set = &mut self.sets[place];
         set.of += 1;
         set.open |= member.open;
+        set.done += u64::from(member.done);
         if let Some(dots) = member.dots {
             set.n += 1;
             set.dots += dots;
@@ -92,6 +98,9 @@ fn scored(set: Collected, processing: Processing) -> SetRow {
     let score = Score::of(&set.dots, youngs_modulus, delta0, gamma0);
     let reason = match set.n {
         0 if set.open => Some("no member is done yet"),
+        0 if set.done > 0 => {
+            Some("what the signals are compared with is missing: the zero waveform has failed")
+        }
         0 => Some("no member has an outcome"),
         _ => Score::missing_reason(&set.dots),
     };
@@ -203,6 +212,7 @@ mod tests {
             parameters: parameters.as_object().expect("an object").clone(),
             open: dots.is_none(),
             dots,
+            done: dots.is_some(),
             scale: [1e7, 0.05, 1e-3],
         }
     }
@@ -219,7 +229,9 @@ mod tests {
 
     fn scores(members: &[Member]) -> Vec<SetRow> {
         let mut scorer = Scorer::new(&["waveform".to_owned()], Processing::Sub0);
-        members.iter().for_each(|member| scorer.add(member));
+        for member in members {
+            scorer.add(member);
+        }
         scorer.finish()
     }
 

@@ -10,6 +10,7 @@ mod leases;
 mod models;
 mod points;
 mod sets;
+mod strict;
 mod sweeps;
 mod tables;
 

@@ -72,9 +72,12 @@ impl Store {
                 .max_connections(most)
                 .acquire_timeout(Duration::from_secs(30))
         };
-        let writer = pool(1)
-            .connect_with(options.clone().create_if_missing(true))
-            .await?;
+        // A large intake touches its indexes all over; what it does not use costs nothing.
+        let writing = options
+            .clone()
+            .create_if_missing(true)
+            .pragma("cache_size", "-16000");
+        let writer = pool(1).connect_with(writing).await?;
         schema::migrate(&writer).await?;
         let readers = pool(4).connect_lazy_with(options.read_only(true));
         let (changed, _) = watch::channel(0);

@@ -38,6 +38,18 @@ fn a_server_that_is_not_there_ends_with_4_and_names_the_next_command() {
 }
 
 #[test]
+fn a_plain_address_needs_no_certificates() {
+    let sandbox = Sandbox::new();
+    let mut health = sandbox.command(&["health", "--server", "http://127.0.0.1:9"]);
+    // As in a container without the authorities' certificates.
+    health
+        .env("SSL_CERT_FILE", "/nowhere")
+        .env("SSL_CERT_DIR", "/nowhere");
+    let status = health.status().expect("granary starts");
+    assert_eq!(status.code(), Some(4));
+}
+
+#[test]
 fn failed_points_end_with_3_and_are_shown_with_the_reason() {
     let sandbox = Sandbox::new();
     let spec = tiny(12, "[1]", ONE).replace("ramp = 150.0", "ramp = 3000.0\ntime_step = 5.0");
@@ -80,5 +92,25 @@ fn a_server_off_loopback_without_a_token_does_not_start() {
         refused.stderr.contains("granary token create"),
         "{}",
         refused.stderr
+    );
+}
+
+#[test]
+fn a_terminal_sees_a_bar_with_the_time_left() {
+    let sandbox = Sandbox::new();
+    sandbox.write("tiny.toml", &tiny(64, "[1, 2]", ONE));
+    // Every command that logs once panicked on a terminal, and only there: tests had always been pipes.
+    let run = format!("{} run tiny.toml", granary_tests::binary().display());
+    let mut script = std::process::Command::new("script");
+    let script = script.args(["--quiet", "--return", "--command", &run, "/dev/null"]);
+    let script = script
+        .current_dir(sandbox.path("."))
+        .stdin(std::process::Stdio::null());
+    let output = script.output().expect("`script` of bsdutils starts");
+    let text = String::from_utf8_lossy(&output.stdout);
+    assert!(output.status.success(), "{text}");
+    assert!(
+        text.contains("2/2 points done") && text.contains('█'),
+        "{text}"
     );
 }

@@ -98,3 +98,67 @@ fn a_worker_told_to_stop_hands_back_at_once() {
     let _heir = worker(&sandbox, &address);
     all_done_once(&sandbox, &address, &sweep);
 }
+
+#[test]
+fn workers_that_died_with_their_server_cost_no_lease_term() {
+    let sandbox = sandbox();
+    // With a term of an hour, a lease that is not taken back at the start is never seen again by this test.
+    let serve = ["--data", "data", "--workers", "2", "--lease-term", "3600"];
+    let (mut server, address) = sandbox.serve(&serve);
+    let sweep = submit(&sandbox, &address);
+    until_leased(&sandbox, &address);
+    server.kill();
+    let (_server, address) = sandbox.serve(&serve);
+    all_done_once(&sandbox, &address, &sweep);
+}
+
+#[test]
+fn nothing_acknowledged_is_lost_and_nothing_is_counted_twice() {
+    granary_tests::crash(6);
+}
+
+#[test]
+fn sixteen_workers_started_before_their_server_compute_each_point_once() {
+    let sandbox = Sandbox::new();
+    let words = "{ suite = \"binary_words\", bits = 6 }";
+    sandbox.write("words.toml", &tiny(5, "[1]", words));
+    // A port that was free a moment ago.
+    let port = std::net::TcpListener::bind("127.0.0.1:0").expect("a free port");
+    let listen = port.local_addr().expect("bound").to_string();
+    drop(port);
+    let address = format!("http://{listen}");
+    let four = [
+        "worker",
+        "--server",
+        &address,
+        "--threads",
+        "4",
+        "--spool",
+        "spool",
+    ];
+    let _workers: Vec<Process> = (0..4).map(|_| sandbox.start(&four)).collect();
+    let serve = ["--data", "data", "--workers", "0", "--listen", &listen];
+    let (_server, _) = sandbox.serve(&serve);
+    let submit = [
+        "submit",
+        "words.toml",
+        "--server",
+        &address,
+        "--json",
+        "--wait",
+    ];
+    let submitted = sandbox.run(&submit).expect(0).json();
+    assert_eq!(submitted["points"], 64);
+    let workers = sandbox.run(&["workers", "--server", &address, "--json"]);
+    let workers = workers.expect(0).json();
+    let items = workers["items"].as_array().expect("a list");
+    let done: u64 = items
+        .iter()
+        .filter_map(|worker| worker["done"].as_u64())
+        .sum();
+    // A pack, a trained pack, 64 words and the zero signal.
+    assert_eq!(
+        (Some(done), done),
+        (submitted["jobs"]["total"].as_u64(), 67)
+    );
+}

@@ -2,6 +2,10 @@
 //!
 //! Everything here is `#[inline(always)]` and reached only through [`enter`].
 
+#[allow(
+    clippy::wildcard_imports,
+    reason = "a family of instructions; the lint does not fire in tests"
+)]
 use core::arch::x86_64::*;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 

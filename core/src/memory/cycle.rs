@@ -304,22 +304,22 @@ impl<R: Replicas, P: Physics> Drive<R, P> {
 
     fn record(&mut self, samples: &[(usize, usize)], seen: &[Observation]) {
         let time_step = self.scene.laws.time_step;
-        for k in 0..self.programs.len() {
+        for (k, seen) in seen.iter().take(self.programs.len()).enumerate() {
             if self.stops[k].is_some() {
                 continue;
             }
             let alternation = alternation(&self.before, &self.scene, k);
-            if let Err(stop) = self.guard.judge(time_step, &seen[k], Some(alternation)) {
+            if let Err(stop) = self.guard.judge(time_step, seen, Some(alternation)) {
                 self.stop(k, stop);
                 continue;
             }
             let pressure = std::array::from_fn(|axis| self.scene.walls.pressure(axis, k));
             let track = &mut self.tracks[k];
-            track.largest_overlap = track.largest_overlap.max(seen[k].largest_overlap);
+            track.largest_overlap = track.largest_overlap.max(seen.largest_overlap);
             for &(series, index) in samples {
                 track.series[series][index] = Some(Sample {
                     pressure,
-                    seen: seen[k],
+                    seen: *seen,
                 });
             }
         }

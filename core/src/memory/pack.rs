@@ -112,7 +112,7 @@ pub(crate) fn run<S: Shape>(
         None => None,
     };
     let mut preparation = match saved.take() {
-        Some(Saved::Free(preparation)) => preparation,
+        Some(Saved::Free(preparation)) => *preparation,
         Some(Saved::Cycling(drive, servo_steps)) => {
             return cycles(spec, stage, drive, servo_steps, progress);
         }
@@ -127,7 +127,7 @@ pub(crate) fn run<S: Shape>(
 
 /// What a checkpoint holds.
 enum Saved<'a, S: Shape> {
-    Free(Preparation<'a, S>),
+    Free(Box<Preparation<'a, S>>),
     Cycling(Box<Drive<F64x1, Smooth<S>>>, u64),
 }
 
@@ -415,7 +415,7 @@ fn read<'a, S: Shape>(
         scene.walls.place(w, 0, position);
     }
     scene.renew_contacts();
-    Ok(Saved::Free(Preparation {
+    Ok(Saved::Free(Box::new(Preparation {
         spec,
         stage: stage.to_owned(),
         scene,
@@ -423,5 +423,5 @@ fn read<'a, S: Shape>(
         phase_step: header.phase_step,
         servo: header.servo,
         servo_steps: header.servo_steps,
-    }))
+    })))
 }

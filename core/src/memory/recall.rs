@@ -262,6 +262,9 @@ fn encode_correlation(spec: &RecallSpec, past: &Past, p_xy: &[f64]) -> Option<f6
     (i_i > 0.0 && p_p > 0.0).then(|| i_p / (i_i.sqrt() * p_p.sqrt()))
 }
 
+/// What is taken from a sample.
+type Quantity<'a> = &'a dyn Fn(&Sample) -> f64;
+
 /// One quantity at the 256 values of u, by the name of the series.
 type Columns = BTreeMap<&'static str, BTreeMap<&'static str, Vec<f64>>>;
 
@@ -274,7 +277,7 @@ struct History {
 }
 
 fn history(series: &[Vec<Sample>], youngs_modulus: f64) -> History {
-    let quantities: [(&str, &str, &dyn Fn(&Sample) -> f64); 8] = [
+    let quantities: [(&str, &str, Quantity<'_>); 8] = [
         ("p_x", "Pa", &|s| s.pressure[0] * youngs_modulus),
         ("p_y", "Pa", &|s| s.pressure[1] * youngs_modulus),
         ("p_z", "Pa", &|s| s.pressure[2] * youngs_modulus),
@@ -292,7 +295,7 @@ fn history(series: &[Vec<Sample>], youngs_modulus: f64) -> History {
     ];
     let mut columns = Columns::new();
     for (name, samples) in SERIES.into_iter().zip(series) {
-        let of = |quantity: &dyn Fn(&Sample) -> f64| samples.iter().map(quantity).collect();
+        let of = |quantity: Quantity<'_>| samples.iter().map(quantity).collect();
         columns.insert(
             name,
             quantities

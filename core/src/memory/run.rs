@@ -60,12 +60,15 @@ pub(crate) fn silent() -> Program {
     }
 }
 
+/// Writes the complete state of one replica.
+pub(crate) type Save<'a, R, P> = &'a dyn Fn(&Drive<R, P>, usize) -> Vec<u8>;
+
 /// Steps `drive` up to, not including, step `end` of its cycle; `before` steps of the stage came first.
 pub(crate) fn drive<R: Replicas, P: Physics>(
     drive: &mut Drive<R, P>,
     (before, end): (u64, u64),
     progress: &mut Progress<'_>,
-    save: &dyn Fn(&Drive<R, P>, usize) -> Vec<u8>,
+    save: Save<'_, R, P>,
 ) -> Result<(), StageFailure> {
     while drive.step < end && !drive.is_over() {
         if drive.step.is_multiple_of(REPORT_EVERY) {

@@ -6,7 +6,7 @@
 use crate::contact::{Components, TangentialLaw};
 use crate::grains::Grains;
 use crate::lanes::{Row, Scalar};
-use crate::math::plain;
+use crate::math::{Vec3, plain};
 use crate::neighbor::{CellGrid, Key, Rows, Spheres};
 use crate::wall::{WALLS, Walls, axis, inward};
 
@@ -48,6 +48,16 @@ pub(crate) struct WallCandidate<S> {
     pub(crate) a: u8,
 }
 
+/// One sphere of one grain: its center's displacement from the reference, and from the center of mass.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Placed<R> {
+    pub(crate) shifted: Vec3<R>,
+    pub(crate) arm: Vec3<R>,
+}
+
+/// Row starts, candidates and histories of the last list.
+type OldRows<S, H> = (Vec<u32>, Vec<Candidate<S>>, Vec<H>);
+
 /// All candidates and histories.
 #[derive(Clone)]
 pub(crate) struct Contacts<R: Row, T: TangentialLaw> {
@@ -57,7 +67,9 @@ pub(crate) struct Contacts<R: Row, T: TangentialLaw> {
     pub(crate) wall_starts: Vec<u32>,
     pub(crate) wall_candidates: Vec<WallCandidate<R::Scalar>>,
     /// Last list's rows, while the next one takes over their histories.
-    old: (Vec<u32>, Vec<Candidate<R::Scalar>>, Vec<T::History<R>>),
+    /// Where every sphere is, for a step that looks at one many times; used by lone runs only.
+    pub(crate) placed: Vec<Placed<R>>,
+    old: OldRows<R::Scalar, T::History<R>>,
     grid: CellGrid,
     found: Rows,
     built: Built,
@@ -105,6 +117,7 @@ impl<R: Row, T: TangentialLaw> Contacts<R, T> {
             histories: vec![],
             wall_starts: vec![],
             wall_candidates: vec![],
+            placed: vec![],
             old: (vec![], vec![], vec![]),
             grid: CellGrid::default(),
             found: Rows::default(),
@@ -255,14 +268,14 @@ impl<R: Row, T: TangentialLaw> Contacts<R, T> {
         self.wall_candidates.clear();
         self.wall_starts.push(0);
         for i in 0..grains.len() {
-            for wall in 0..WALLS {
+            for (wall, &stands) in reference.iter().enumerate() {
                 for a in 0..grains.spheres() {
                     let center = self.built.centers[grains.spheres() * i + a][axis(wall)];
                     let distance = inward(wall) * (center - self.built.walls[wall]);
                     if distance < 1.0 + self.skin + self.built.slack[i] + self.built.wall_slack {
                         let at_reference = grains.reference()[i].position[axis(wall)]
                             + grains.arm(i, a)[axis(wall)];
-                        let gap = inward(wall) * (at_reference - reference[wall]) - 1.0;
+                        let gap = inward(wall) * (at_reference - stands) - 1.0;
                         let gap = R::Scalar::from_f64(gap);
                         self.wall_candidates.push(WallCandidate {
                             gap,

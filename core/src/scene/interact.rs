@@ -80,6 +80,8 @@ pub(super) struct Partner<L> {
 pub(super) struct Action<L> {
     /// On `i`; the opposite acts on `j`.
     pub(super) force: Vec3<L>,
+    /// The part of it that may turn a grain: a sphere's lever lies along the normal force, which but for rounding cannot.
+    turning: Vec3<L>,
     /// From `i`'s center of mass to the contact point.
     pub(super) lever_i: Vec3<L>,
     /// From `j`'s center of mass to the contact point.
@@ -90,13 +92,13 @@ impl<L: Lane> Action<L> {
     /// On `i`, about its center of mass.
     #[inline(always)]
     pub(super) fn torque_i(&self) -> Vec3<L> {
-        self.lever_i.cross(self.force)
+        self.lever_i.cross(self.turning)
     }
 
     /// On `j`, about its center of mass, from the opposite force.
     #[inline(always)]
     pub(super) fn torque_j(&self) -> Vec3<L> {
-        self.force.cross(self.lever_j)
+        self.turning.cross(self.lever_j)
     }
 }
 
@@ -130,7 +132,7 @@ pub(super) fn interact<L: Lane, P: Physics>(
         geometry.root_overlap,
         overlap_rate,
     );
-    let mut force = normal.scale(normal_force);
+    let mut tangential = Vec3::zero();
     if P::Tangential::TANGENTIAL {
         let contact = Contact {
             normal,
@@ -139,10 +141,15 @@ pub(super) fn interact<L: Lane, P: Physics>(
             normal_force,
             time_step: constants.time_step,
         };
-        force = force + P::Tangential::force(&constants.tangential, &contact, history);
+        tangential = P::Tangential::force(&constants.tangential, &contact, history);
+    }
+    let mut force = normal.scale(normal_force);
+    if P::Tangential::TANGENTIAL {
+        force = force + tangential;
     }
     Action {
         force,
+        turning: if P::ORIENTED { force } else { tangential },
         lever_i,
         lever_j,
     }

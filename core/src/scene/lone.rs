@@ -9,7 +9,7 @@ use crate::math::Vec3;
 use crate::shape::Shape;
 use crate::wall::{MAX_LANES, WALLS};
 
-use super::contacts::Contacts;
+use super::contacts::{Contacts, Placed};
 use super::interact::{Constants, Partner, excess, geometry, interact};
 use super::motion::{Fastest, Load, MotionConstants, RowGrain, advance, push_of_wall};
 use super::{Physics, Scene};
@@ -118,10 +118,10 @@ impl<P: Physics> Kernel<F64x8> for LoneStep<'_, P> {
         } = self.scene;
         let constants = Constants::<W, P::Tangential>::new(laws);
         let mut queue = Queue::empty();
+        place::<P>(grains, &mut contacts.placed);
         for i in 0..grains.len() {
-            let at = RowGrain::<F64x1>::load::<P>(grains, i);
             for c in contacts.starts[i] as usize..contacts.starts[i + 1] as usize {
-                note::<P>(&at, i, c, grains, contacts, &mut queue);
+                note::<P>(i, c, grains, contacts, &mut queue);
                 if queue.len == WIDE {
                     act::<W, P>(&constants, &mut queue, grains, contacts);
                 }
@@ -160,10 +160,26 @@ impl<P: Physics> Kernel<F64x8> for LoneStep<'_, P> {
     }
 }
 
+/// Finds where every sphere is.
+#[inline(always)]
+fn place<P: Physics>(grains: &Grains<F64x1>, placed: &mut Vec<Placed<F64x1>>) {
+    if P::ORIENTED {
+        placed.resize(P::Shape::SPHERES * grains.len(), Placed::default());
+        for (i, spheres) in placed.chunks_exact_mut(P::Shape::SPHERES).enumerate() {
+            let at = RowGrain::<F64x1>::load::<P>(grains, i);
+            for (a, sphere) in spheres.iter_mut().enumerate() {
+                *sphere = Placed {
+                    shifted: at.shifted[a],
+                    arm: at.arms[a],
+                };
+            }
+        }
+    }
+}
+
 /// Tests candidate `c` and queues it if it touches.
 #[inline(always)]
 fn note<P: Physics>(
-    at: &RowGrain<F64x1>,
     i: usize,
     c: usize,
     grains: &Grains<F64x1>,
@@ -176,14 +192,18 @@ fn note<P: Physics>(
         usize::from(candidate.a),
         usize::from(candidate.b),
     );
-    let (mut shifted_j, mut arm_j): (Vec3<F64x1>, _) = (grains.displacement[j], Vec3::zero());
-    if P::ORIENTED {
-        let arm = Vec3::broadcast(grains.lane_arms[P::Shape::SPHERES * j + b]);
-        let shift = grains.turn[j].shift(arm);
-        shifted_j = shifted_j + shift;
-        arm_j = arm + shift;
-    }
-    let change = at.shifted[a] - shifted_j;
+    let sphere = |grain: usize, sphere: usize| {
+        if P::ORIENTED {
+            contacts.placed[P::Shape::SPHERES * grain + sphere]
+        } else {
+            Placed {
+                shifted: grains.displacement[grain],
+                arm: Vec3::zero(),
+            }
+        }
+    };
+    let (at_i, at_j) = (sphere(i, a), sphere(j, b));
+    let change = at_i.shifted - at_j.shifted;
     let twice = Vec3::broadcast(candidate.twice_branch);
     let excess = excess(twice, F64x1([candidate.excess]), change);
     let touching = excess.lt(F64x1([0.0])).any();
@@ -196,13 +216,19 @@ fn note<P: Physics>(
     queue.candidate[e] = c as u32;
     queue.excess.0[e] = excess.0[0];
     put(&mut queue.branch, e, twice.scale_add(F64x1([0.5]), change));
-    queue.at_i.put::<P>(e, at.arms[a], at.velocity, at.spin);
-    let spin_j = if P::SPINS {
-        grains.spin[j]
-    } else {
-        Vec3::zero()
+    let spin = |grain: usize| {
+        if P::SPINS {
+            grains.spin[grain]
+        } else {
+            Vec3::zero()
+        }
     };
-    queue.at_j.put::<P>(e, arm_j, grains.velocity[j], spin_j);
+    queue
+        .at_i
+        .put::<P>(e, at_i.arm, grains.velocity[i], spin(i));
+    queue
+        .at_j
+        .put::<P>(e, at_j.arm, grains.velocity[j], spin(j));
     queue.len += usize::from(touching);
 }
 

@@ -7,10 +7,10 @@ use granary_api::problem::Problem;
 use granary_api::sweep::{Steered, Submitted, Sweep};
 use granary_api::table::Page;
 use serde::Deserialize;
-use serde_json::Value;
 use utoipa::IntoParams;
 
 use super::body::{Id, Json};
+use super::strict::Strict;
 use crate::error::ApiError;
 use crate::store::{Store, Submission};
 
@@ -42,7 +42,7 @@ pub(super) async fn submit_sweep(
     State(store): State<Store>,
     query: Result<Query<SubmitQuery>, axum::extract::rejection::QueryRejection>,
     headers: HeaderMap,
-    Json(spec): Json<Value>,
+    Json(Strict(spec)): Json<Strict>,
 ) -> Result<(StatusCode, axum::Json<Submitted>), ApiError> {
     let Query(query) = query.map_err(|error| ApiError::bad_request(error.body_text()))?;
     let submission = Submission {

@@ -6,7 +6,7 @@ use serde_json::json;
 
 use super::event::{Wanting, event_add, event_finished, event_point};
 use super::job::{self, Held};
-use super::lease::{attempt_end, lease_close, lease_find};
+use super::lease::{attempt_end, each_once, lease_close, lease_find};
 use super::speed::speed_add;
 use super::worker::worker_heard;
 use super::{Store, StoreError, Writing, now_ms};
@@ -18,6 +18,10 @@ impl Store {
         id: LeaseId,
         completion: &Completion,
     ) -> Result<(), StoreError> {
+        each_once(
+            completion.outcomes.iter().map(|outcome| outcome.job),
+            "outcomes",
+        )?;
         self.artifacts_exist(&completion.outcomes).await?;
         let mut transaction = self.begin().await?;
         let lease = lease_find(&mut transaction, id).await?;

@@ -6,7 +6,7 @@ use serde_json::json;
 
 use super::event::{Wanting, event_add, event_finished, event_point};
 use super::job::{self, Held};
-use super::lease::{attempt_end, lease_close, lease_find, progress};
+use super::lease::{attempt_end, each_once, lease_close, lease_find, progress};
 use super::worker::worker_heard;
 use super::{Store, StoreError, Writing};
 use crate::queue::{Ending, Verdict, verdict};
@@ -15,6 +15,7 @@ impl Store {
     /// Records why jobs cannot be finished; a fault of the machine is tried again a few times.
     pub async fn lease_fail(&self, id: LeaseId, report: &FailureReport) -> Result<(), StoreError> {
         let jobs: Vec<JobId> = report.failures.iter().map(|failure| failure.job).collect();
+        each_once(jobs.iter().copied(), "failures")?;
         let endings = report
             .failures
             .iter()
@@ -26,6 +27,7 @@ impl Store {
     pub async fn lease_release(&self, id: LeaseId, release: &Release) -> Result<(), StoreError> {
         self.checkpoints_exist(&release.jobs).await?;
         let jobs: Vec<JobId> = release.jobs.iter().map(|progress| progress.job).collect();
+        each_once(jobs.iter().copied(), "jobs")?;
         let endings = vec![Ending::Released; jobs.len()];
         self.lease_end(id, &jobs, endings, &release.jobs).await
     }
@@ -34,6 +36,19 @@ impl Store {
     pub async fn lease_beats(&self) -> Result<Vec<(LeaseId, u64)>, StoreError> {
         const BEATS: &str = "select uuid, beat from lease";
         let rows: Vec<(uuid::Uuid, i64)> = sqlx::query_as(BEATS).fetch_all(self.readers()).await?;
+        Ok(rows
+            .into_iter()
+            .map(|(id, beat)| (LeaseId(id), beat as u64))
+            .collect())
+    }
+
+    /// The leases of the workers whose names begin with `prefix`, and their counts of heartbeats.
+    pub async fn lease_beats_of(&self, prefix: &str) -> Result<Vec<(LeaseId, u64)>, StoreError> {
+        const BEATS: &str = "select uuid, beat from lease where substr(worker, 1, length($1)) = $1";
+        let rows: Vec<(uuid::Uuid, i64)> = sqlx::query_as(BEATS)
+            .bind(prefix)
+            .fetch_all(self.readers())
+            .await?;
         Ok(rows
             .into_iter()
             .map(|(id, beat)| (LeaseId(id), beat as u64))

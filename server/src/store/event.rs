@@ -42,22 +42,26 @@ pub(super) async fn event_point(
     keep: u32,
     wanting: &mut Wanting,
 ) -> Result<(), StoreError> {
-    const WANTING: &str = "
-        select w.sweep, (select json_group_array(p.point) from point p where p.job = w.job and p.sweep = w.sweep)
-          from want w where w.job = $1";
-    let rows: Vec<(i64, String)> = sqlx::query_as(WANTING)
+    const WANTING: &str = "select sweep, points, first_point from want where job = $1";
+    const POINTS: &str = "select point from point where sweep = $1 and job = $2 order by point";
+    let rows: Vec<(i64, i64, Option<i64>)> = sqlx::query_as(WANTING)
         .bind(job)
         .fetch_all(&mut **transaction)
         .await?;
-    for (sweep, points) in rows {
-        let points: Vec<u64> =
-            serde_json::from_str(&points).map_err(StoreError::corrupt("list of points"))?;
-        *wanting.entry(sweep).or_default() += points.len() as u64;
-        if !points.is_empty() {
-            let mut data = data.clone();
-            data["points"] = json!(points);
-            event_add(transaction, sweep, "point", &data, keep).await?;
+    for (sweep, count, first) in rows {
+        *wanting.entry(sweep).or_default() += count as u64;
+        let Some(first) = first else {
+            continue;
+        };
+        let mut points = vec![first];
+        if count > 1 {
+            // Few jobs serve several points of one sweep, so there is no index for them.
+            let all = sqlx::query_scalar(POINTS).bind(sweep).bind(job);
+            points = all.fetch_all(&mut **transaction).await?;
         }
+        let mut data = data.clone();
+        data["points"] = json!(points);
+        event_add(transaction, sweep, "point", &data, keep).await?;
     }
     Ok(())
 }

@@ -6,7 +6,7 @@ use granary_api::id::SweepId;
 use granary_api::sweep::{JobCounts, Submitted};
 use granary_core::PHYSICS_VERSION;
 use granary_core::identity::canonical_json;
-use serde_json::{Value, json};
+use serde_json::json;
 
 use super::speed::speed_predict;
 use super::{Store, StoreError, Writing, job, now_ms, signed};
@@ -190,66 +190,60 @@ async fn insert_chunk(
         insert into point (sweep, point, job, parameters)
         select $2, value ->> 0, (select id from job where hash = unhex(value ->> 1)), value ->> 2
           from json_each($1)";
-    let ensembles: Vec<Value> = chunk.ensembles.iter().map(ensemble_row).collect();
-    let ensembles = sqlx::query(ENSEMBLES)
-        .bind(json!(ensembles).to_string())
-        .bind(PHYSICS_VERSION);
+    let ensembles = rows(chunk.ensembles.iter().map(ensemble_row));
+    let ensembles = sqlx::query(ENSEMBLES).bind(ensembles).bind(PHYSICS_VERSION);
     ensembles.execute(&mut **transaction).await?;
     let mut new = 0;
     // A statement sees the table as it was before it, so what is needed goes in first.
     for kind in granary_core::stage::StageKind::ALL {
-        let of_kind = chunk.jobs.iter().filter(|job| job.spec.kind() == kind);
-        let rows: Vec<Value> = of_kind.map(job_row).collect();
-        if !rows.is_empty() {
-            let jobs = sqlx::query(JOBS).bind(json!(rows).to_string());
+        let of_kind = || chunk.jobs.iter().filter(|job| job.spec.kind() == kind);
+        if of_kind().next().is_some() {
+            let jobs = sqlx::query(JOBS).bind(rows(of_kind().map(job_row)));
             new += jobs.execute(&mut **transaction).await?.rows_affected();
         }
     }
-    let points: Vec<Value> = chunk.points.iter().map(point_row).collect();
-    let points = sqlx::query(POINTS)
-        .bind(json!(points).to_string())
-        .bind(sweep);
+    let points = rows(chunk.points.iter().map(point_row));
+    let points = sqlx::query(POINTS).bind(points).bind(sweep);
     points.execute(&mut **transaction).await?;
     Ok(new)
 }
 
-fn ensemble_row(new: &NewEnsemble) -> Value {
+/// A JSON array of rows that are JSON arrays already.
+fn rows(rows: impl Iterator<Item = String>) -> String {
+    let rows: Vec<String> = rows.collect();
+    format!("[{}]", rows.join(","))
+}
+
+fn ensemble_row(new: &NewEnsemble) -> String {
     let work = new.work;
     let (steps, grain_steps, bytes) = (
         signed(work.steps),
         signed(work.grain_steps),
         signed(work.bytes),
     );
-    json!([
-        new.key.to_hex(),
-        new.kind,
-        new.class,
-        new.lanes,
-        steps,
-        grain_steps,
-        bytes
-    ])
+    let (key, kind, class, lanes) = (new.key.to_hex(), new.kind, &new.class, new.lanes);
+    canonical_json(&(key, kind, class, lanes, steps, grain_steps, bytes))
 }
 
-fn job_row(new: &NewJob) -> Value {
+fn job_row(new: &NewJob) -> String {
     let needs = new.spec.needs().map(|id| id.to_hex());
-    json!([
+    canonical_json(&(
         new.id.to_hex(),
         new.ensemble.to_hex(),
         needs,
-        canonical_json(&new.spec)
-    ])
+        canonical_json(&new.spec),
+    ))
 }
 
-fn point_row(new: &NewPoint) -> Value {
-    json!([new.point, new.job.to_hex(), new.parameters])
+fn point_row(new: &NewPoint) -> String {
+    canonical_json(&(new.point, new.job.to_hex(), &new.parameters))
 }
 
 /// Notes that the sweep wants the jobs of its points, the zero recalls beside them, and all that these need.
 async fn want_all(transaction: &mut Writing, sweep: i64, zero: bool) -> Result<(), StoreError> {
     const POINTS: &str = "
-        insert into want (job, sweep, state, points)
-        select p.job, $1, j.state, count(*) from point p join job j on j.id = p.job
+        insert into want (job, sweep, state, points, first_point)
+        select p.job, $1, j.state, count(*), min(p.point) from point p join job j on j.id = p.job
          where p.sweep = $1 group by p.job";
     const ZEROS: &str = "
         insert into want (job, sweep, state, points)

@@ -1,5 +1,6 @@
 //! Leases: one worker's hold on the jobs of one ensemble, and what ends it.
 
+use std::collections::BTreeSet;
 use std::time::Duration;
 
 use granary_api::id::{JobId, LeaseId};
@@ -28,16 +29,26 @@ impl Store {
         let wait = Duration::try_from_secs_f64(request.wait_s).unwrap_or_default();
         let deadline = Instant::now() + wait.min(LONGEST_WAIT);
         let mut changes = self.subscribe();
+        changes.borrow_and_update();
+        let mut ready = true;
         loop {
-            changes.borrow_and_update();
-            if let Some(grant) = self.lease_take(request).await? {
+            // Most changes are other workers' heartbeats: only a reader looks at those.
+            if ready && let Some(grant) = self.lease_take(request).await? {
                 return Ok(Some(grant));
             }
             match tokio::time::timeout_at(deadline, changes.changed()).await {
-                Ok(Ok(())) => {}
+                Ok(Ok(())) => ready = self.any_ready().await?,
                 Ok(Err(_)) | Err(_) => return Ok(None),
             }
         }
+    }
+
+    /// Whether some job may be taken by somebody.
+    async fn any_ready(&self) -> Result<bool, StoreError> {
+        const READY: &str = "
+            select exists (select 1 from sweep s where s.state = 'active'
+                              and exists (select 1 from want w where w.sweep = s.id and w.state = 'ready'))";
+        Ok(sqlx::query_scalar(READY).fetch_one(self.readers()).await?)
     }
 
     /// Gives a worker the ready jobs that it can run as one ensemble, most urgent first; none if there are none.
@@ -79,6 +90,7 @@ impl Store {
         beat: &Heartbeat,
     ) -> Result<HeartbeatReply, StoreError> {
         const BEAT: &str = "update lease set beat = beat + 1, heard_at = $2 where id = $1";
+        each_once(beat.jobs.iter().map(|progress| progress.job), "jobs")?;
         self.checkpoints_exist(&beat.jobs).await?;
         let mut transaction = self.begin().await?;
         let lease = lease_row(&mut transaction, id, &beat.jobs).await?;
@@ -304,4 +316,24 @@ async fn leased(transaction: &mut Writing, lease: i64) -> Result<Vec<LeasedJob>,
             })
         })
         .collect()
+}
+
+/// Refuses a report that names a job twice.
+pub(super) fn each_once(jobs: impl Iterator<Item = JobId>, list: &str) -> Result<(), StoreError> {
+    let mut seen = BTreeSet::new();
+    let mut mistakes = vec![];
+    for (k, job) in jobs.enumerate() {
+        if !seen.insert(job) {
+            let pointer = format!("/{list}/{k}/job");
+            mistakes.push(Mistake {
+                pointer,
+                detail: format!("{job} is named twice"),
+            });
+        }
+    }
+    if mistakes.is_empty() {
+        Ok(())
+    } else {
+        Err(StoreError::Invalid(mistakes))
+    }
 }

@@ -185,6 +185,7 @@ impl Store {
             parameters,
             open,
             dots,
+            done,
             scale,
         })
     }

@@ -108,9 +108,10 @@ impl Store {
     async fn summary(&self, row: Row) -> Result<Sweep, StoreError> {
         let (id, uuid, name, model, preset, state, priority, created_at, warnings, plan, spec) =
             row;
+        // In this order: once nothing is open, the counts are final, so a finished sweep never shows old ones.
+        let (open, running) = self.sweep_open(id).await?;
         let points = self.sweep_counts(id).await?;
         let plan: Value = serde_json::from_str(&plan).map_err(StoreError::corrupt("plan"))?;
-        let (open, running) = self.sweep_open(id).await?;
         let state = shown_state(&state, open);
         let eta_s = if state == SweepState::Active && running > 0 {
             let mut reader = self.readers().acquire().await?;

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use granary_core::memory::parameters::{PARAMETERS, parameter};
-use granary_core::parameter::shown;
+use granary_core::parameter::{Domain, Parameter, shown};
 use serde_json::{Map, Value, json};
 
 use super::axis::named;
@@ -43,15 +43,17 @@ pub(crate) fn read(
             Ok(value) => {
                 fixed.insert(name.clone(), value);
             }
-            Err(detail) => mistakes.add(&place, as_axis(value, &named(row, &detail))),
+            Err(detail) => mistakes.add(&place, as_axis(row, value, &named(row, &detail))),
         }
     }
 }
 
 /// A list where one value is expected was probably meant as an axis.
-fn as_axis(value: &Value, detail: &str) -> String {
+fn as_axis(row: &Parameter, value: &Value, detail: &str) -> String {
+    let bumps = matches!(row.domain, Domain::Notation(_)) && value.get("suite").is_none();
     match value {
-        Value::Array(_) | Value::Object(_) => {
+        Value::Array(_) => format!("{detail}; several values make an axis, in [[grid]]"),
+        Value::Object(_) if !bumps => {
             format!("{detail}; several values make an axis, in [[grid]]")
         }
         _ => detail.to_owned(),

@@ -48,7 +48,8 @@ async fn follow(
                     events.push((field("id:").and_then(|id| id.parse().ok()), kind.clone()));
                 }
                 let end = last(&kind, &data);
-                text = rest.to_owned();
+                let rest = rest.len();
+                text.drain(..text.len() - rest);
                 if end {
                     return;
                 }

@@ -392,3 +392,17 @@ async fn workers_are_listed_with_what_they_hold() {
     );
     fresh.complete(grant.lease, &grant.jobs).await;
 }
+
+#[tokio::test]
+async fn report_that_names_a_job_twice_is_refused_whole() {
+    let fresh = fresh().await;
+    fresh.submit(&single("six/1")).await;
+    let grant = fresh.take().await.expect("the pack");
+    let mut completion = fresh.outcomes(&grant.jobs).await;
+    completion.outcomes.push(completion.outcomes[0].clone());
+    let refused = fresh.store.lease_complete(grant.lease, &completion).await;
+    assert!(
+        matches!(refused, Err(StoreError::Invalid(mistakes)) if mistakes[0].pointer == "/outcomes/1/job")
+    );
+    fresh.complete(grant.lease, &grant.jobs).await;
+}

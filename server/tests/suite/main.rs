@@ -11,4 +11,5 @@ mod leases;
 mod results;
 mod routes;
 mod spec;
+mod walk;
 mod wanting;

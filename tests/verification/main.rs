@@ -1,0 +1,6 @@
+//! Long checks of the whole service: `make verify WHAT=crash`.
+
+#[test]
+fn crash_200_sweeps_under_kill_9() {
+    granary_tests::crash(200);
+}
