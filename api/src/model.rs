@@ -14,6 +14,9 @@ pub struct Model {
     /// Every parameter, as the properties of a JSON Schema with `x-symbol`, `x-unit` and `x-section`.
     #[schema(value_type = Object)]
     pub parameters: Value,
+    /// Every result, as the properties of a JSON Schema with `x-symbol` and `x-unit`.
+    #[schema(value_type = Object)]
+    pub results: Value,
     /// Named choices of numerics.
     pub presets: Vec<Preset>,
     /// Reductions that it allows, the usual chain first.

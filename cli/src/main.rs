@@ -5,6 +5,7 @@ mod failure;
 mod interrupt;
 mod log;
 mod output;
+mod page;
 mod progress;
 mod published;
 mod spec_file;

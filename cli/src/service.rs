@@ -13,6 +13,7 @@ use tokio_util::sync::CancellationToken;
 
 use crate::api_client::ApiClient;
 use crate::direct::DirectLeaseClient;
+use crate::page;
 
 /// How long workers in this process wait for work before they ask again.
 const POLL: Duration = Duration::from_secs(20);
@@ -63,7 +64,7 @@ impl Service {
         let address = server.address();
         let shutdown = self.shutdown.clone();
         self.tasks
-            .spawn(async move { Ok(server.run(None, shutdown).await?) });
+            .spawn(async move { Ok(server.run(Some(page::router()), shutdown).await?) });
         Ok(address)
     }
 

@@ -7,6 +7,7 @@ pub mod gas;
 pub(crate) mod pack;
 pub mod parameters;
 pub(crate) mod recall;
+pub mod results;
 pub(crate) mod run;
 pub mod score;
 pub mod spec;

@@ -151,6 +151,32 @@ impl Parameter {
     }
 }
 
+/// One number that an experiment yields.
+#[derive(Clone, Copy, Debug)]
+pub struct Quantity {
+    /// The name in results.
+    pub name: &'static str,
+    /// The symbol in the paper and on the page.
+    pub symbol: &'static str,
+    /// The unit, empty for pure numbers.
+    pub unit: &'static str,
+    /// What it is, in one sentence.
+    pub sentence: &'static str,
+}
+
+impl Quantity {
+    /// The row as a property of a JSON Schema, with our own `x-symbol` and `x-unit`.
+    #[must_use]
+    pub fn schema(&self) -> Value {
+        json!({
+            "type": ["number", "null"],
+            "description": self.sentence,
+            "x-symbol": self.symbol,
+            "x-unit": self.unit,
+        })
+    }
+}
+
 fn check_real(value: &Value, low: Bound, high: Bound) -> Result<Value, String> {
     let Some(number) = value.as_f64().filter(|number| number.is_finite()) else {
         return Err(format!("{} is not a finite number", shown(value)));

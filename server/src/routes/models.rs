@@ -4,6 +4,7 @@ use axum::Json;
 use granary_api::model::{Model, Preset};
 use granary_api::table::Page;
 use granary_core::memory::parameters::{PARAMETERS, PRESETS};
+use granary_core::memory::results::RESULTS;
 use granary_core::memory::spec::MemoryPoint;
 use serde_json::{Map, Value, json};
 
@@ -37,10 +38,15 @@ fn memory() -> Model {
         .iter()
         .map(|row| (row.name.to_owned(), row.schema()))
         .collect();
+    let results: Map<String, Value> = RESULTS
+        .iter()
+        .map(|row| (row.name.to_owned(), row.schema()))
+        .collect();
     Model {
         name: "memory".to_owned(),
         sentence: "A waveform of shear is stored in a pack of grains while it is compressed, and recalled when it is released.".to_owned(),
         parameters: json!({"type": "object", "additionalProperties": false, "properties": properties}),
+        results: json!({"type": "object", "properties": results}),
         presets: PRESETS.iter().map(preset).collect(),
         reductions: vec![
             json!({"kind": "gain_fidelity", "over": ["waveform"], "processing": ["SUB0", "SUB2", "SUB2-BL"]}),

@@ -39,6 +39,11 @@ async fn models_describe_every_parameter_and_preset() {
         (&delta0["x-symbol"], &delta0["exclusiveMinimum"]),
         (&json!("δ0"), &json!(0.0))
     );
+    let gain = &model["results"]["properties"]["gain_e_delta0"];
+    assert_eq!(
+        (&gain["x-symbol"], &gain["x-unit"]),
+        (&json!("𝒢·E·δ0"), &json!("Pa"))
+    );
     assert_eq!(model["presets"].as_array().expect("presets").len(), 3);
     assert_eq!(fresh.get("/api/v1/models/beam").await.status, 404);
 }

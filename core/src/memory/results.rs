@@ -1,0 +1,115 @@
+//! The result table of the memory experiment: symbol, unit and meaning of every number of a point or a set.
+
+use crate::parameter::Quantity;
+
+const fn row(
+    name: &'static str,
+    (symbol, unit): (&'static str, &'static str),
+    sentence: &'static str,
+) -> Quantity {
+    Quantity {
+        name,
+        symbol,
+        unit,
+        sentence,
+    }
+}
+
+/// Every result, those of sets first; a set of means adds `_sem` to a name for its standard error.
+pub const RESULTS: &[Quantity] = &[
+    row(
+        "gain",
+        ("𝒢", ""),
+        "Gain: how much of the stored waveform comes back (Appendix B).",
+    ),
+    row(
+        "gain_e_delta0",
+        ("𝒢·E·δ0", "Pa"),
+        "Gain times Young's modulus and volume strain.",
+    ),
+    row(
+        "fidelity",
+        ("𝓕", ""),
+        "Fidelity: 1 if what comes back has exactly the stored shape; 1 − √(1 − C²) (Eq. 21).",
+    ),
+    row(
+        "correlation",
+        ("C", ""),
+        "Correlation of what comes back with the stored waveform; its sign is the gain's.",
+    ),
+    row(
+        "encode_correlation",
+        ("C_enc", ""),
+        "Correlation of the shear stress with the waveform while it is stored.",
+    ),
+    row(
+        "hold_kinetic_energy",
+        ("K_hold", "E R³"),
+        "Kinetic energy per grain at the end of the hold.",
+    ),
+    row(
+        "largest_overlap",
+        ("δ_max", "R"),
+        "Largest overlap of two spheres in the whole run.",
+    ),
+    row(
+        "time_step",
+        ("Δt", "t_c"),
+        "Time step taken: the one asked for, shortened so that every sample falls on a step.",
+    ),
+    row(
+        "critical_time_step",
+        ("Δt_crit", "t_c"),
+        "Smallest critical time step measured in the run.",
+    ),
+    row(
+        "volume_fraction",
+        ("φ", ""),
+        "Volume fraction before the compression that encodes.",
+    ),
+    row(
+        "coordination_number",
+        ("Z", ""),
+        "Grains that touch a grain, on average, before the compression that encodes.",
+    ),
+    row(
+        "sphere_contacts_per_grain",
+        ("Z_s", ""),
+        "Touching pairs of spheres, each counted once, over the grains, before the compression that encodes.",
+    ),
+    row(
+        "wall_contacts_per_grain",
+        ("Z_w", ""),
+        "Spheres that touch a wall, over the grains, before the compression that encodes.",
+    ),
+    row(
+        "kinetic_energy",
+        ("K", "E R³"),
+        "Kinetic energy per grain before the compression that encodes.",
+    ),
+    row(
+        "volume_fraction_compressed",
+        ("φ*", ""),
+        "Volume fraction at full compression.",
+    ),
+    row(
+        "coordination_number_compressed",
+        ("Z*", ""),
+        "Grains that touch a grain, on average, at full compression.",
+    ),
+    row(
+        "sphere_contacts_per_grain_compressed",
+        ("Z_s*", ""),
+        "Touching pairs of spheres, each counted once, over the grains, at full compression.",
+    ),
+    row(
+        "wall_contacts_per_grain_compressed",
+        ("Z_w*", ""),
+        "Spheres that touch a wall, over the grains, at full compression.",
+    ),
+    row(
+        "kinetic_energy_compressed",
+        ("K*", "E R³"),
+        "Kinetic energy per grain at full compression.",
+    ),
+];

@@ -1,0 +1,100 @@
+// The table of sets: gain and fidelity of each combination of parameters.
+
+import type { Model, Page, SetRow } from "../api/client";
+import { count, number, parameter, withError } from "../format";
+import { inOrder, parameterQuantity, type Quantity, resultQuantity } from "../quantity";
+import { route, withView } from "../route";
+import { reductions } from "./chosen";
+import { Heading } from "./heading";
+
+/** Sets shown at a time. */
+const SHOWN = 100;
+const NAMES: Record<string, string> = { gain_fidelity: "each packing", mean_sem: "means ± SEM" };
+
+export function SetSection({ sets, model }: { sets: Page<SetRow>; model: Model | undefined }) {
+  const { all, chosen } = reductions(sets.items);
+  const rows = sets.items.filter((set) => set.reduce === chosen);
+  const from = Math.max(0, Number(route.value.view.set ?? 0) || 0);
+  const shown = rows.slice(from, from + SHOWN);
+  return (
+    <section aria-labelledby="sets">
+      <h2 id="sets">Sets</h2>
+      {all.length > 1 && (
+        <p class="choices">
+          {all.map((name) => (
+            <a key={name} href={withView({ sets: name, set: "" })} aria-current={name === chosen}>
+              {NAMES[name] ?? name}
+            </a>
+          ))}
+        </p>
+      )}
+      <Table rows={shown} model={model} />
+      <p class="pages">
+        <span>
+          {count(from + 1)}–{count(from + shown.length)} of {count(rows.length)}
+          {sets.total > sets.items.length && ` (the first ${count(sets.items.length)} of ${count(sets.total)} sets)`}
+        </span>
+        {from > 0 && <a href={withView({ set: String(Math.max(0, from - SHOWN)) })}>Previous</a>}
+        {from + SHOWN < rows.length && <a href={withView({ set: String(from + SHOWN) })}>Next</a>}
+      </p>
+    </section>
+  );
+}
+
+function Table({ rows, model }: { rows: SetRow[]; model: Model | undefined }) {
+  const parameters = [...new Set(rows.flatMap((row) => Object.keys(row.parameters)))];
+  const names = [...new Set(rows.flatMap((row) => Object.keys(row.results)))];
+  const means = names.filter((name) => !name.endsWith("_sem"));
+  const results = inOrder(model, means).map((name) => resultQuantity(model, name));
+  return (
+    <div class="scroller" tabIndex={0} role="region" aria-labelledby="sets">
+      <table class="sets">
+        <thead>
+          <tr>
+            {parameters.map((name) => (
+              <Heading key={name} quantity={parameterQuantity(model, name)} />
+            ))}
+            <th scope="col">Processing</th>
+            {results.map((quantity) => (
+              <Heading key={quantity.name} quantity={quantity} />
+            ))}
+            <th scope="col" title="Members that count so far, of members in all.">n of m</th>
+            <th scope="col">Remark</th>
+          </tr>
+        </thead>
+        <tbody>
+          {rows.map((row) => (
+            <tr key={row.set} data-set={row.set} class={row.provisional ? "provisional" : ""}>
+              {parameters.map((name) => (
+                <td key={name} class="number">{parameter(row.parameters[name])}</td>
+              ))}
+              <td>{row.processing}</td>
+              {results.map((quantity) => (
+                <Cell key={quantity.name} row={row} quantity={quantity} />
+              ))}
+              <td class="number">{count(row.n)} of {count(row.of)}</td>
+              <td class="remark">
+                {row.provisional && <span class="state running">provisional</span>}
+                {/* Of a half-done row the reason tells of the members to come only. */}
+                {(!row.provisional || row.n === 0) && ` ${row.missing_reason ?? ""}`}
+              </td>
+            </tr>
+          ))}
+        </tbody>
+      </table>
+    </div>
+  );
+}
+
+function Cell({ row, quantity }: { row: SetRow; quantity: Quantity }) {
+  const { name, scale } = quantity;
+  const value = row.results[name];
+  if (typeof value !== "number") return <td class="number quiet" title={row.missing_reason ?? ""}>–</td>;
+  const error = row.results[`${name}_sem`];
+  const shown = typeof error === "number" ? withError(value * scale, error * scale) : number(value * scale, 4);
+  return (
+    <td class="number" data-result={name} title={String(value)}>
+      <data value={String(value)}>{shown}</data>
+    </td>
+  );
+}
