@@ -23,7 +23,7 @@ web/node_modules: web/package-lock.json
 	cd web && PLAYWRIGHT_SKIP_BROWSER_DOWNLOAD=1 npm ci --no-audit --no-fund
 	touch web/node_modules
 
-web/dist/index.html: web/node_modules $(shell find web/src web/index.html -type f 2>/dev/null)
+web/dist/index.html: web/node_modules $(shell find web/src web/scripts web/index.html web/vite.config.ts -type f 2>/dev/null) tests/data/waveform-memory-published.csv
 	cd web && npm run build
 
 test: web web-test ## every test that CI runs
@@ -53,11 +53,11 @@ verify: ## long service checks: WHAT=crash
 e2e: web ## the page in Debian's Chromium, against the real binary
 	command -v chromium >/dev/null || (apt-get update && apt-get install -y chromium)
 	$(CARGO) build --locked
-	cd web && npm run e2e
+	cd web && GRANARY=$$($(CARGO) metadata --no-deps --format-version 1 | sed 's/.*"target_directory":"\([^"]*\)".*/\1/')/debug/granary npm run e2e
 
 dev: ## the server on port 8080 with two workers and a throw-away database
 	$(CARGO) run -- serve --listen 127.0.0.1:8080 --data .granary/dev --workers 2
 
 clean:
 	$(CARGO) clean
-	rm -rf web/dist web/node_modules
+	rm -rf web/node_modules web/dist/assets web/dist/index.html*
