@@ -4,7 +4,7 @@
 //! the small differences that carry a memory (MEMORY §4).
 //! Velocities and spins are those of the last half step.
 
-use crate::lanes::{Row, Scalar};
+use crate::lanes::{Row, Scalar, prefetch};
 use crate::math::{Quaternion, Vec3, plain};
 use crate::shape::Body;
 
@@ -207,6 +207,21 @@ impl<R: Row> Grains<R> {
             let motion = self.motion(i, from);
             self.set_offset(i, to, displacement, turn);
             self.set_motion(i, to, motion);
+        }
+    }
+
+    /// Asks for all that a contact needs of grain `i`, ahead of its use.
+    #[inline(always)]
+    pub(crate) fn prefetch(&self, i: usize, spins: bool, oriented: bool) {
+        prefetch(&self.displacement[i]);
+        prefetch(&self.velocity[i]);
+        prefetch(&self.force[i]);
+        if oriented {
+            prefetch(&self.turn[i]);
+        }
+        if spins {
+            prefetch(&self.spin[i]);
+            prefetch(&self.torque[i]);
         }
     }
 

@@ -26,6 +26,22 @@ pub(super) fn enter<R: Row, T: Kernel<R>>(kernel: T) -> T::Output {
     }
 }
 
+/// Asks for the cache lines of `row` ahead of their use.
+#[inline(always)]
+pub(super) fn prefetch<T>(row: &T) {
+    const LINE: usize = 64;
+    let start = std::ptr::from_ref(row).cast::<i8>();
+    for line in 0..std::mem::size_of::<T>().div_ceil(LINE) {
+        #[expect(
+            unsafe_code,
+            reason = "a prefetch reads nothing; every x86-64 processor has it"
+        )]
+        unsafe {
+            _mm_prefetch::<_MM_HINT_T0>(start.add(LINE * line));
+        }
+    }
+}
+
 /// One truth value per replica: all bits of its number set, or none.
 #[derive(Clone, Copy)]
 pub struct Wide<V, const N: usize>([V; N]);

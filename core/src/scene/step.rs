@@ -18,6 +18,9 @@ use super::{Physics, Scene};
 /// Touching pairs that are noted before their forces are found.
 const NOTED: usize = 16;
 
+/// How many candidates ahead the other grain is asked for: about two rows of spheres, one of tetrahedra.
+const AHEAD: usize = 8;
+
 /// The whole step; returns how far anything can have moved.
 pub(super) struct Step<'a, R: Row, P: Physics> {
     pub(super) scene: &'a mut Scene<R, P>,
@@ -97,6 +100,9 @@ fn note<L: Lane, P: Physics>(
     while *next < end && noted < NOTED {
         let c = *next;
         *next += 1;
+        if let Some(ahead) = contacts.candidates.get(c + AHEAD) {
+            grains.prefetch(ahead.j as usize, P::SPINS, P::ORIENTED);
+        }
         let candidate = &mut contacts.candidates[c];
         let (j, a, b) = (
             candidate.j as usize,
