@@ -70,6 +70,13 @@ impl Guard {
             );
             return Err(self.blame(time_step, suspicious, "overlap", &detail));
         }
+        if seen.largest_wall_overlap > LARGEST_OVERLAP {
+            let detail = format!(
+                "a sphere and a wall overlap by {:.2} R, more than {LARGEST_OVERLAP} R",
+                seen.largest_wall_overlap
+            );
+            return Err(self.blame(time_step, suspicious, "overlap", &detail));
+        }
         if let Some(alternation) = alternation.filter(|&a| a > 1.0 && seen.kinetic_energy > QUIET) {
             return Err(Stop {
                 kind: "unstable",

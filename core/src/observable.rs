@@ -23,6 +23,8 @@ pub struct Observation {
     pub kinetic_energy: f64,
     /// The largest overlap of two spheres \[R\].
     pub largest_overlap: f64,
+    /// The largest overlap of a sphere with a wall \[R\].
+    pub largest_wall_overlap: f64,
 }
 
 impl Observation {
@@ -55,6 +57,7 @@ pub fn observe<R: Replicas, P: Physics>(scene: &Scene<R, P>) -> Vec<Observation>
                         + body.inertia * of(&sums.spin_square))
                     / n,
                 largest_overlap,
+                largest_wall_overlap: of(&sums.deepest_wall),
             }
         })
         .collect()

@@ -17,6 +17,8 @@ pub(crate) struct Sums<R> {
     pub(crate) wall_contacts: R,
     /// The largest −(|L|² − 4), from which the largest overlap follows.
     pub(crate) deepest: R,
+    /// The largest overlap of a sphere with a wall.
+    pub(crate) deepest_wall: R,
     /// Σ |v|².
     pub(crate) velocity_square: R,
     /// Σ |ω|².
@@ -37,6 +39,7 @@ impl<R: Row, P: Physics> Kernel<R> for Survey<'_, R, P> {
         let zero = L::constant(0.0);
         let one = L::constant(1.0);
         let (mut spheres, mut grains, mut walls, mut deepest) = (zero, zero, zero, zero);
+        let mut deepest_wall = zero;
         let (mut velocity_square, mut spin_square) = (zero, zero);
         for i in 0..scene.grains.len() {
             let velocity: Vec3<L> = scene.grains.velocity[i].load();
@@ -82,6 +85,7 @@ impl<R: Row, P: Physics> Kernel<R> for Survey<'_, R, P> {
                 let gap =
                     L::constant(crate::wall::inward(w)).mul_add(shift, L::splat(candidate.gap));
                 walls = walls + one.keep(gap.lt(zero));
+                deepest_wall = (-gap).max(deepest_wall);
             }
         }
         let row = |lanes: L| {
@@ -94,6 +98,7 @@ impl<R: Row, P: Physics> Kernel<R> for Survey<'_, R, P> {
             grain_contacts: row(grains),
             wall_contacts: row(walls),
             deepest: row(deepest),
+            deepest_wall: row(deepest_wall),
             velocity_square: row(velocity_square),
             spin_square: row(spin_square),
         }
