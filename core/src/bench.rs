@@ -94,7 +94,7 @@ impl<R: Replicas, P: Physics> Bench for Scene<R, P> {
             lanes: R::K,
             contacts: self.remembered(0).count(),
             candidates: self.candidates(),
-            bytes_per_grain: self.grains.bytes_per_grain(),
+            bytes_per_grain: self.bytes_per_grain(),
             bytes_per_candidate: Self::bytes_per_candidate(),
             renewals: self.renewals(),
         }

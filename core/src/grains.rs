@@ -66,10 +66,6 @@ pub struct Grains<R: Row> {
     pub(crate) turn: Vec<Quaternion<R>>,
     /// Empty where nothing can spin a grain.
     pub(crate) spin: Vec<Vec3<R>>,
-    /// Sums of the running step; zero between steps.
-    pub(crate) force: Vec<Vec3<R>>,
-    /// Empty where nothing can spin a grain.
-    pub(crate) torque: Vec<Vec3<R>>,
 }
 
 impl<R: Row> Grains<R> {
@@ -102,8 +98,6 @@ impl<R: Row> Grains<R> {
             velocity: vec![Vec3::default(); n],
             turn: vec![Quaternion::identity(); turning],
             spin: vec![Vec3::default(); spinning],
-            force: vec![Vec3::default(); n],
-            torque: vec![Vec3::default(); spinning],
             reference,
         }
     }
@@ -215,13 +209,11 @@ impl<R: Row> Grains<R> {
     pub(crate) fn prefetch(&self, i: usize, spins: bool, oriented: bool) {
         prefetch(&self.displacement[i]);
         prefetch(&self.velocity[i]);
-        prefetch(&self.force[i]);
         if oriented {
             prefetch(&self.turn[i]);
         }
         if spins {
             prefetch(&self.spin[i]);
-            prefetch(&self.torque[i]);
         }
     }
 
@@ -230,11 +222,7 @@ impl<R: Row> Grains<R> {
     pub fn bytes_per_grain(&self) -> usize {
         use std::mem::size_of;
         let n = self.len().max(1);
-        let vectors = self.displacement.len()
-            + self.velocity.len()
-            + self.spin.len()
-            + self.force.len()
-            + self.torque.len();
+        let vectors = self.displacement.len() + self.velocity.len() + self.spin.len();
         let total = self.reference.len() * size_of::<Pose>()
             + self.arms.len() * (size_of::<[f64; 3]>() + size_of::<[R::Scalar; 3]>())
             + vectors * size_of::<Vec3<R>>()

@@ -64,8 +64,14 @@ pub trait Row: Lane<Row = Self> + Default + Debug + Send + Sync + 'static {
 
 /// Which of K replicas.
 pub trait Mask: Copy {
+    /// One bit per replica, the first lowest.
+    fn bits(self) -> u32;
+
     /// Whether any replica is meant.
-    fn any(self) -> bool;
+    #[inline(always)]
+    fn any(self) -> bool {
+        self.bits() != 0
+    }
 
     /// The replicas that both name.
     #[must_use]
@@ -125,6 +131,36 @@ pub trait Lane:
     /// `self` where `mask`, else +0.
     #[must_use]
     fn keep(self, mask: Self::Mask) -> Self;
+
+    /// K records of four numbers as four vectors: number `n` of record `e` becomes lane `e` of vector `n`.
+    #[inline(always)]
+    #[must_use]
+    fn gather<'a>(record: impl Fn(usize) -> &'a [Self::Scalar; 4]) -> [Self; 4]
+    where
+        Self::Scalar: 'a,
+    {
+        let mut rows = [Self::Row::default(); 4];
+        for e in 0..Self::K {
+            for (row, &number) in rows.iter_mut().zip(record(e)) {
+                row.lanes_mut()[e] = number;
+            }
+        }
+        rows.each_ref().map(Self::load)
+    }
+
+    /// Four vectors as K records of four numbers; undoes [`Lane::gather`].
+    #[inline(always)]
+    fn scatter(vectors: [Self; 4], records: &mut [[Self::Scalar; 4]]) {
+        let mut rows = [Self::Row::default(); 4];
+        for (row, vector) in rows.iter_mut().zip(vectors) {
+            vector.store(row);
+        }
+        for (e, record) in records.iter_mut().enumerate().take(Self::K) {
+            for (number, row) in record.iter_mut().zip(&rows) {
+                *number = row.lanes()[e];
+            }
+        }
+    }
 
     /// A constant of the physics in every replica.
     #[inline(always)]

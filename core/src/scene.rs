@@ -64,12 +64,28 @@ pub struct Laws<P: Physics> {
 
 /// How K replicas take a step: the lanes of a vector are replicas, or, for a lone run, contacts.
 pub trait Replicas: Row {
+    /// What a step needs besides the state.
+    #[doc(hidden)]
+    type Work: Work<Self>;
+
     /// Takes one step; returns how far anything can have moved \[R\].
     #[doc(hidden)]
     fn step<P: Physics>(scene: &mut Scene<Self, P>) -> f64;
 }
 
+/// What a step needs besides the state; nothing in it outlives the step.
+#[doc(hidden)]
+pub trait Work<R: Row>: Clone {
+    /// Room for the steps of `grains`.
+    fn new<P: Physics>(grains: &Grains<R>) -> Self;
+
+    /// Bytes it takes.
+    fn bytes(&self) -> usize;
+}
+
 impl Replicas for F64x1 {
+    type Work = lone::Records;
+
     fn step<P: Physics>(scene: &mut Scene<Self, P>) -> f64 {
         dispatch::<F64x8, _>(scene.laws.width, lone::LoneStep { scene })
     }
@@ -78,6 +94,8 @@ impl Replicas for F64x1 {
 macro_rules! side_by_side {
     ($($row:ty),*) => {$(
         impl Replicas for $row {
+            type Work = step::Loads<Self>;
+
             fn step<P: Physics>(scene: &mut Scene<Self, P>) -> f64 {
                 dispatch::<Self, _>(scene.laws.width, step::Step { scene })
             }
@@ -89,7 +107,7 @@ side_by_side!(F64x8, F32x8, F32x16);
 
 /// Grains, walls and contacts in K replicas.
 #[derive(Clone)]
-pub struct Scene<R: Row, P: Physics> {
+pub struct Scene<R: Replicas, P: Physics> {
     /// The laws; the time step may be changed between steps.
     pub laws: Laws<P>,
     /// The grains.
@@ -99,6 +117,7 @@ pub struct Scene<R: Row, P: Physics> {
     pub(crate) contacts: Contacts<R, P::Tangential>,
     /// The affine motion of the box, for a drag.
     pub(crate) affine: AffineRate<R>,
+    work: R::Work,
     /// Whether each replica still runs; the others are copies of one that does.
     running: Vec<bool>,
 }
@@ -110,6 +129,7 @@ impl<R: Replicas, P: Physics> Scene<R, P> {
         let contacts = Contacts::new(laws.skin);
         let mut scene = Self {
             laws,
+            work: R::Work::new::<P>(&grains),
             grains,
             walls,
             contacts,
@@ -208,6 +228,12 @@ impl<R: Replicas, P: Physics> Scene<R, P> {
     #[must_use]
     pub fn candidates(&self) -> usize {
         self.contacts.candidates.len()
+    }
+
+    /// Bytes per grain of state and of what a step needs besides, without lists and springs.
+    #[must_use]
+    pub fn bytes_per_grain(&self) -> usize {
+        self.grains.bytes_per_grain() + self.work.bytes() / self.grains.len().max(1)
     }
 
     /// Bytes that one candidate and its history take.

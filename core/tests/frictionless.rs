@@ -115,7 +115,7 @@ fn a_frictionless_contact_remembers_nothing() {
 fn a_sphere_has_no_orientation_and_a_smooth_one_no_spin() {
     fn bytes<S: Shape, T: TangentialLaw>(law: T) -> usize {
         let scene: Scene<F64x8, Free<S, T>> = scene(laws::<S, T>(law, 1.0), crowd::<S>(1, 5));
-        scene.grains.bytes_per_grain()
+        scene.bytes_per_grain()
     }
     let (vector, pose) = (3 * 8 * 8, 7 * 8);
     // Displacement, velocity, force; spin and torque where something can spin a grain; turn and arms where it has one.

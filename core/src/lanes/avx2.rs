@@ -47,15 +47,15 @@ pub(super) fn prefetch<T>(row: &T) {
 pub struct Wide<V, const N: usize>([V; N]);
 
 macro_rules! mask {
-    ($vector:ty, $n:literal, $movemask:ident, $and:ident) => {
+    ($vector:ty, $n:literal, $per:literal, $movemask:ident, $and:ident) => {
         #[expect(unsafe_code, reason = "only reached through `enter`")]
         impl Mask for Wide<$vector, $n> {
             #[inline(always)]
-            fn any(self) -> bool {
-                self.0
-                    .iter()
-                    .fold(0, |bits, &part| bits | unsafe { $movemask(part) })
-                    != 0
+            fn bits(self) -> u32 {
+                let parts = self.0.iter().enumerate();
+                parts.fold(0, |bits, (n, &part)| {
+                    bits | (unsafe { $movemask(part) } as u32) << ($per * n)
+                })
             }
 
             #[inline(always)]
@@ -68,9 +68,9 @@ macro_rules! mask {
     };
 }
 
-mask!(__m256d, 2, _mm256_movemask_pd, _mm256_and_pd);
-mask!(__m256, 1, _mm256_movemask_ps, _mm256_and_ps);
-mask!(__m256, 2, _mm256_movemask_ps, _mm256_and_ps);
+mask!(__m256d, 2, 4, _mm256_movemask_pd, _mm256_and_pd);
+mask!(__m256, 1, 8, _mm256_movemask_ps, _mm256_and_ps);
+mask!(__m256, 2, 8, _mm256_movemask_ps, _mm256_and_ps);
 
 macro_rules! op {
     ($trait:ident, $method:ident, $name:ident, $intrinsic:ident) => {

@@ -32,8 +32,8 @@ pub struct Bits<M>(M);
 
 impl Mask for Bits<__mmask8> {
     #[inline(always)]
-    fn any(self) -> bool {
-        self.0 != 0
+    fn bits(self) -> u32 {
+        u32::from(self.0)
     }
 
     #[inline(always)]
@@ -44,8 +44,8 @@ impl Mask for Bits<__mmask8> {
 
 impl Mask for Bits<__mmask16> {
     #[inline(always)]
-    fn any(self) -> bool {
-        self.0 != 0
+    fn bits(self) -> u32 {
+        u32::from(self.0)
     }
 
     #[inline(always)]
@@ -76,6 +76,7 @@ macro_rules! avx512 {
         $name:ident, $scalar:ty, $k:literal, $vector:ty, $mask:ty,
         $add:ident $sub:ident $mul:ident $div:ident $set1:ident $load:ident $store:ident $fmadd:ident $fnmadd:ident
         $sqrt:ident $max:ident $cmp:ident $blend:ident $maskz:ident
+        $($records:item)*
     ) => {
         $(#[$doc])*
         #[derive(Clone, Copy)]
@@ -152,8 +153,51 @@ macro_rules! avx512 {
             fn keep(self, mask: Self::Mask) -> Self {
                 unsafe { Self($maskz(mask.0, self.0)) }
             }
+
+            $($records)*
         }
     };
+}
+
+/// Two records in one register.
+#[inline(always)]
+fn both(low: &[f64; 4], high: &[f64; 4]) -> __m512d {
+    #[expect(unsafe_code, reason = "only reached through `enter`")]
+    unsafe {
+        let low = _mm512_castpd256_pd512(_mm256_loadu_pd(low.as_ptr()));
+        _mm512_insertf64x4::<1>(low, _mm256_loadu_pd(high.as_ptr()))
+    }
+}
+
+/// Writes records `e` and `e + 4` from one register.
+#[inline(always)]
+fn part(pair: __m512d, records: &mut [[f64; 4]], e: usize) {
+    #[expect(unsafe_code, reason = "only reached through `enter`")]
+    unsafe {
+        _mm256_storeu_pd(records[e].as_mut_ptr(), _mm512_castpd512_pd256(pair));
+        _mm256_storeu_pd(
+            records[e + 4].as_mut_ptr(),
+            _mm512_extractf64x4_pd::<1>(pair),
+        );
+    }
+}
+
+/// Transposes the lower 4 × 4 halves and the upper ones.
+#[inline(always)]
+fn transposed([a, b, c, d]: [__m512d; 4]) -> [__m512d; 4] {
+    #[expect(unsafe_code, reason = "only reached through `enter`")]
+    unsafe {
+        let (ab_even, cd_even) = (_mm512_unpacklo_pd(a, b), _mm512_unpacklo_pd(c, d));
+        let (ab_odd, cd_odd) = (_mm512_unpackhi_pd(a, b), _mm512_unpackhi_pd(c, d));
+        let low = _mm512_setr_epi64(0, 1, 8, 9, 4, 5, 12, 13);
+        let high = _mm512_setr_epi64(2, 3, 10, 11, 6, 7, 14, 15);
+        [
+            _mm512_permutex2var_pd(ab_even, low, cd_even),
+            _mm512_permutex2var_pd(ab_odd, low, cd_odd),
+            _mm512_permutex2var_pd(ab_even, high, cd_even),
+            _mm512_permutex2var_pd(ab_odd, high, cd_odd),
+        ]
+    }
 }
 
 avx512! {
@@ -161,6 +205,28 @@ avx512! {
     F64x8, f64, 8, __m512d, __mmask8,
     _mm512_add_pd _mm512_sub_pd _mm512_mul_pd _mm512_div_pd _mm512_set1_pd _mm512_load_pd _mm512_store_pd _mm512_fmadd_pd
     _mm512_fnmadd_pd _mm512_sqrt_pd _mm512_max_pd _mm512_cmp_pd_mask _mm512_mask_blend_pd _mm512_maskz_mov_pd
+
+    #[inline(always)]
+    fn gather<'a>(record: impl Fn(usize) -> &'a [f64; 4]) -> [Self; 4] {
+        let [a, b, c, d] = transposed([
+            both(record(0), record(4)),
+            both(record(1), record(5)),
+            both(record(2), record(6)),
+            both(record(3), record(7)),
+        ]);
+        [Self(a), Self(b), Self(c), Self(d)]
+    }
+
+    #[inline(always)]
+    fn scatter(vectors: [Self; 4], records: &mut [[f64; 4]]) {
+        let [a, b, c, d] = vectors;
+        let [a, b, c, d] = transposed([a.0, b.0, c.0, d.0]);
+        assert!(records.len() >= Self::K);
+        part(a, records, 0);
+        part(b, records, 1);
+        part(c, records, 2);
+        part(d, records, 3);
+    }
 }
 
 avx512! {

@@ -10,8 +10,9 @@ pub struct Flags<const K: usize>([bool; K]);
 
 impl<const K: usize> Mask for Flags<K> {
     #[inline(always)]
-    fn any(self) -> bool {
-        self.0.iter().any(|&flag| flag)
+    fn bits(self) -> u32 {
+        let bits = self.0.iter().enumerate();
+        bits.fold(0, |bits, (k, &flag)| bits | u32::from(flag) << k)
     }
 
     #[inline(always)]

@@ -119,3 +119,46 @@ fn rows_are_aligned_to_whole_vectors() {
     assert_eq!(std::mem::size_of::<F32x16>(), 64);
     assert_eq!(std::mem::size_of::<F64x1>(), 8);
 }
+
+/// Gathers K records and scatters them again; returns the four gathered rows and whether the records came back.
+struct ThereAndBack<'a, R: Row> {
+    records: &'a [[R::Scalar; 4]],
+}
+
+impl<R: Row> Kernel<R> for ThereAndBack<'_, R> {
+    type Output = (Vec<R>, Vec<[R::Scalar; 4]>);
+
+    #[inline(always)]
+    fn run<L: Lane<Row = R, Scalar = R::Scalar>>(self) -> Self::Output {
+        let vectors = L::gather(|e| &self.records[e]);
+        let mut back = vec![[R::Scalar::default(); 4]; L::K];
+        L::scatter(vectors, &mut back);
+        let mut rows = vec![R::default(); 4];
+        for (row, vector) in rows.iter_mut().zip(vectors) {
+            vector.store(row);
+        }
+        (rows, back)
+    }
+}
+
+fn records_become_lanes<R: Row>() {
+    let number = |e: usize, n: usize| R::Scalar::from_f64((10 * e + n) as f64);
+    let records: Vec<_> = (0..R::K)
+        .map(|e| [0, 1, 2, 3].map(|n| number(e, n)))
+        .collect();
+    for width in VectorWidth::available() {
+        let (rows, back) = dispatch::<R, _>(width, ThereAndBack { records: &records });
+        assert!(back == records, "{}", width.name());
+        for (n, row) in rows.iter().enumerate() {
+            let expected: Vec<_> = (0..R::K).map(|e| number(e, n)).collect();
+            assert_eq!(row.lanes(), expected, "{} {n}", width.name());
+        }
+    }
+}
+
+#[test]
+fn record_e_is_gathered_into_lane_e_and_scattered_back() {
+    records_become_lanes::<F64x1>();
+    records_become_lanes::<F64x8>();
+    records_become_lanes::<F32x16>();
+}

@@ -6,25 +6,23 @@
 use crate::contact::{Components, TangentialLaw};
 use crate::grains::Grains;
 use crate::lanes::{Row, Scalar};
-use crate::math::{Vec3, plain};
+use crate::math::plain;
 use crate::neighbor::{CellGrid, Key, Rows, Spheres};
 use crate::wall::{WALLS, Walls, axis, inward};
 
 /// A pair of spheres that may touch; its grain `i` is the row that it stands in.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Candidate<S> {
-    /// Twice the branch vector L0 from `j`'s sphere to `i`'s in the reference.
-    pub(crate) twice_branch: [S; 3],
-    /// |L0|² − 4: below zero where the spheres touch in the reference.
-    pub(crate) excess: S,
+    /// Twice the branch vector L0 from `j`'s sphere to `i`'s in the reference, and |L0|² − 4.
+    pub(crate) reference: [S; 4],
+    /// The row's grain.
+    pub(crate) i: u32,
     /// The other grain.
     pub(crate) j: u32,
     /// Sphere of the row's grain.
     pub(crate) a: u8,
     /// Sphere of the other grain.
     pub(crate) b: u8,
-    /// Whether any replica touched in the last step, so that there is a history to forget.
-    pub(crate) live: bool,
 }
 
 impl<S> Candidate<S> {
@@ -48,27 +46,20 @@ pub(crate) struct WallCandidate<S> {
     pub(crate) a: u8,
 }
 
-/// One sphere of one grain: its center's displacement from the reference, and from the center of mass.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Placed<R> {
-    pub(crate) shifted: Vec3<R>,
-    pub(crate) arm: Vec3<R>,
-}
-
-/// Row starts, candidates and histories of the last list.
-type OldRows<S, H> = (Vec<u32>, Vec<Candidate<S>>, Vec<H>);
+/// Row starts, candidates, whether they touched and histories of the last list.
+type OldRows<S, H> = (Vec<u32>, Vec<Candidate<S>>, Vec<bool>, Vec<H>);
 
 /// All candidates and histories.
 #[derive(Clone)]
 pub(crate) struct Contacts<R: Row, T: TangentialLaw> {
     pub(crate) starts: Vec<u32>,
     pub(crate) candidates: Vec<Candidate<R::Scalar>>,
+    /// Of every candidate, whether any replica touched in the last step, so that there is a history to forget.
+    pub(crate) live: Vec<bool>,
     pub(crate) histories: Vec<T::History<R>>,
     pub(crate) wall_starts: Vec<u32>,
     pub(crate) wall_candidates: Vec<WallCandidate<R::Scalar>>,
     /// Last list's rows, while the next one takes over their histories.
-    /// Where every sphere is, for a step that looks at one many times; used by lone runs only.
-    pub(crate) placed: Vec<Placed<R>>,
     old: OldRows<R::Scalar, T::History<R>>,
     grid: CellGrid,
     found: Rows,
@@ -114,11 +105,11 @@ impl<R: Row, T: TangentialLaw> Contacts<R, T> {
         Self {
             starts: vec![],
             candidates: vec![],
+            live: vec![],
             histories: vec![],
             wall_starts: vec![],
             wall_candidates: vec![],
-            placed: vec![],
-            old: (vec![], vec![], vec![]),
+            old: (vec![], vec![], vec![], vec![]),
             grid: CellGrid::default(),
             found: Rows::default(),
             built: Built::default(),
@@ -235,12 +226,14 @@ impl<R: Row, T: TangentialLaw> Contacts<R, T> {
     fn take_over(&mut self, grains: &Grains<R>) {
         std::mem::swap(&mut self.starts, &mut self.old.0);
         std::mem::swap(&mut self.candidates, &mut self.old.1);
-        std::mem::swap(&mut self.histories, &mut self.old.2);
+        std::mem::swap(&mut self.live, &mut self.old.2);
+        std::mem::swap(&mut self.histories, &mut self.old.3);
         self.starts.clear();
         self.candidates.clear();
+        self.live.clear();
         self.histories.clear();
         self.starts.extend_from_slice(&self.found.starts);
-        let (old_starts, old_candidates, old_histories) = &self.old;
+        let (old_starts, old_candidates, old_live, old_histories) = &self.old;
         for i in 0..grains.len() {
             let (mut next, end) = match old_starts.get(i..i + 2) {
                 Some(range) => (range[0] as usize, range[1] as usize),
@@ -251,13 +244,14 @@ impl<R: Row, T: TangentialLaw> Contacts<R, T> {
                     next += 1;
                 }
                 let known = next < end && old_candidates[next].key() == key;
-                let live = known && old_candidates[next].live;
+                let live = known && old_live[next];
+                self.live.push(live);
                 self.histories.push(if live {
                     old_histories[next]
                 } else {
                     T::History::from_fn(|_| R::default())
                 });
-                self.candidates.push(candidate(grains, i, key, live));
+                self.candidates.push(candidate(grains, i, key));
             }
         }
     }
@@ -304,7 +298,7 @@ impl<R: Row, T: TangentialLaw> Contacts<R, T> {
         let rows = self.starts.windows(2).enumerate();
         rows.flat_map(move |(i, range)| {
             (range[0] as usize..range[1] as usize)
-                .filter(|&c| self.candidates[c].live)
+                .filter(|&c| self.live[c])
                 .map(move |c| {
                     let history = self.histories[c]
                         .as_slice()
@@ -324,7 +318,7 @@ impl<R: Row, T: TangentialLaw> Contacts<R, T> {
             return false;
         };
         let c = range.start + place;
-        self.candidates[c].live = true;
+        self.live[c] = true;
         for (row, &value) in self.histories[c].as_mut_slice().iter_mut().zip(history) {
             row.lanes_mut()[k] = R::Scalar::from_f64(value);
         }
@@ -341,7 +335,7 @@ impl<R: Row, T: TangentialLaw> Contacts<R, T> {
     }
 }
 
-fn candidate<R: Row>(grains: &Grains<R>, i: usize, key: Key, live: bool) -> Candidate<R::Scalar> {
+fn candidate<R: Row>(grains: &Grains<R>, i: usize, key: Key) -> Candidate<R::Scalar> {
     let center = |i: usize, a: u8| {
         plain::add(
             grains.reference()[i].position,
@@ -349,13 +343,14 @@ fn candidate<R: Row>(grains: &Grains<R>, i: usize, key: Key, live: bool) -> Cand
         )
     };
     let branch = plain::sub(center(i, key.a), center(key.j as usize, key.b));
+    let [x, y, z] = branch.map(|part| 2.0 * part);
+    let excess = plain::dot(branch, branch) - 4.0;
     Candidate {
-        twice_branch: branch.map(|part| R::Scalar::from_f64(2.0 * part)),
-        excess: R::Scalar::from_f64(plain::dot(branch, branch) - 4.0),
+        reference: [x, y, z, excess].map(R::Scalar::from_f64),
+        i: i as u32,
         j: key.j,
         a: key.a,
         b: key.b,
-        live,
     }
 }
 

@@ -28,15 +28,27 @@ impl<L: Lane, T: TangentialLaw> Constants<L, T> {
     }
 }
 
-/// |L|² − 4 of the branch vector L = L0 + e, from 2 L0, |L0|² − 4 and the change e: no digits are lost to |L|² ≈ 4.
+/// How the branch vector L = L0 + e of two spheres departs from its reference.
+#[derive(Clone, Copy)]
+pub(super) struct Branch<L> {
+    /// L.
+    pub(super) vector: Vec3<L>,
+    /// |L|² − 4: below zero where the spheres touch.
+    pub(super) excess: L,
+}
+
+/// The branch vector from (2 L0, |L0|² − 4) and the change e: no digits are lost to |L|² ≈ 4.
 #[inline(always)]
-pub(super) fn excess<L: Lane>(twice_branch: Vec3<L>, reference_excess: L, change: Vec3<L>) -> L {
-    let both = twice_branch + change;
-    both.x.mul_add(
-        change.x,
-        both.y
-            .mul_add(change.y, both.z.mul_add(change.z, reference_excess)),
-    )
+pub(super) fn branch<L: Lane>([x, y, z, excess]: [L; 4], change: Vec3<L>) -> Branch<L> {
+    let twice = Vec3 { x, y, z };
+    let both = twice + change;
+    Branch {
+        vector: twice.scale_add(L::constant(0.5), change),
+        excess: both.x.mul_add(
+            change.x,
+            both.y.mul_add(change.y, both.z.mul_add(change.z, excess)),
+        ),
+    }
 }
 
 /// Where and how deep two spheres touch.
@@ -50,15 +62,16 @@ pub(super) struct Geometry<L> {
     pub(super) root_overlap: L,
 }
 
-/// From the branch vector and |L|² − 4: p = −(|L|² − 4)/(|L| + 2), with one division for p and n̂ together.
+/// p = −(|L|² − 4)/(|L| + 2), with one division for p and n̂ together.
 #[inline(always)]
-pub(super) fn geometry<L: Lane>(branch: Vec3<L>, excess: L) -> Geometry<L> {
+pub(super) fn geometry<L: Lane>(branch: Branch<L>) -> Geometry<L> {
+    let excess = branch.excess;
     let length = (excess + L::constant(4.0)).sqrt();
     let sum = length + L::constant(2.0);
     let inverse = L::constant(1.0) / (length * sum);
     let overlap = -excess * (inverse * length);
     Geometry {
-        normal: branch.scale(inverse * sum),
+        normal: branch.vector.scale(inverse * sum),
         overlap,
         root_overlap: overlap.sqrt(),
     }

@@ -1,106 +1,37 @@
-//! One step of a lone run: every lane is a contact.
+//! One step of a lone run: every lane is a contact, or a grain.
 //!
-//! Touching pairs are gathered eight at a time, across rows, and their forces found side by side.
-//! They are added in the order of the list, so the sums are those of an ensemble's lane, bit for bit.
+//! Candidates are tested one by one; those that touch are gathered eight at a time, across rows, and their forces found
+//! side by side.
+//! Grains are placed and moved eight at a time.
+//! Forces are added in the order of the list, so the sums are those of an ensemble's lane, bit for bit.
+
+mod eight;
+mod records;
+mod touching;
 
 use crate::contact::{Components, TangentialLaw};
-use crate::lanes::{F64x1, F64x8, Kernel, Lane, Mask};
+use crate::force::AffineRate;
+use crate::grains::Grains;
+use crate::lanes::{F64x1, F64x8, Kernel, Lane};
 use crate::math::Vec3;
-use crate::shape::Shape;
-use crate::wall::{MAX_LANES, WALLS};
+use crate::wall::{MAX_LANES, WALLS, Walls};
 
-use super::contacts::{Contacts, Placed};
-use super::interact::{Constants, Partner, excess, geometry, interact};
+use eight::Eight;
+pub(super) use records::Records;
+use records::{Pair, fours, fours_if, vector};
+use touching::{MANY, Touching};
+
+use super::contacts::Contacts;
+use super::interact::{Branch, Constants, Geometry, geometry, interact};
 use super::motion::{Fastest, Load, MotionConstants, RowGrain, advance, push_of_wall};
 use super::{Physics, Scene};
-use crate::grains::Grains;
 
-/// Contacts side by side.
+/// Lanes.
 const WIDE: usize = 8;
 
 /// The whole step; returns how far anything can have moved.
 pub(super) struct LoneStep<'a, P: Physics> {
     pub(super) scene: &'a mut Scene<F64x1, P>,
-}
-
-/// Touching pairs, waiting until there are eight.
-struct Queue {
-    len: usize,
-    i: [u32; WIDE],
-    candidate: [u32; WIDE],
-    excess: F64x8,
-    branch: Vec3<F64x8>,
-    at_i: Gathered,
-    at_j: Gathered,
-}
-
-/// One of the two grains of each pair.
-#[derive(Clone, Copy, Default)]
-struct Gathered {
-    arm: Vec3<F64x8>,
-    velocity: Vec3<F64x8>,
-    spin: Vec3<F64x8>,
-}
-
-impl Queue {
-    fn empty() -> Self {
-        Self {
-            len: 0,
-            i: [0; WIDE],
-            candidate: [0; WIDE],
-            excess: F64x8::default(),
-            // Lanes that are never filled must still have a length to divide by.
-            branch: Vec3 {
-                x: F64x8([2.0; WIDE]),
-                y: F64x8::default(),
-                z: F64x8::default(),
-            },
-            at_i: Gathered::default(),
-            at_j: Gathered::default(),
-        }
-    }
-}
-
-#[inline(always)]
-fn put(rows: &mut Vec3<F64x8>, e: usize, vector: Vec3<F64x1>) {
-    rows.x.0[e] = vector.x.0[0];
-    rows.y.0[e] = vector.y.0[0];
-    rows.z.0[e] = vector.z.0[0];
-}
-
-#[inline(always)]
-fn get(rows: &Vec3<F64x8>, e: usize) -> Vec3<F64x1> {
-    Vec3 {
-        x: F64x1([rows.x.0[e]]),
-        y: F64x1([rows.y.0[e]]),
-        z: F64x1([rows.z.0[e]]),
-    }
-}
-
-impl Gathered {
-    #[inline(always)]
-    fn put<P: Physics>(
-        &mut self,
-        e: usize,
-        arm: Vec3<F64x1>,
-        velocity: Vec3<F64x1>,
-        spin: Vec3<F64x1>,
-    ) {
-        put(&mut self.arm, e, arm);
-        put(&mut self.velocity, e, velocity);
-        if P::SPINS {
-            put(&mut self.spin, e, spin);
-        }
-    }
-
-    #[inline(always)]
-    fn load<W: Lane<Row = F64x8>>(&self) -> Partner<W> {
-        Partner {
-            arm: self.arm.load(),
-            velocity: self.velocity.load(),
-            spin: self.spin.load(),
-        }
-    }
 }
 
 impl<P: Physics> Kernel<F64x8> for LoneStep<'_, P> {
@@ -114,167 +45,179 @@ impl<P: Physics> Kernel<F64x8> for LoneStep<'_, P> {
             walls,
             contacts,
             affine,
+            work,
             ..
         } = self.scene;
+        work.write::<W, P>(grains);
         let constants = Constants::<W, P::Tangential>::new(laws);
-        let mut queue = Queue::empty();
-        place::<P>(grains, &mut contacts.placed);
-        for i in 0..grains.len() {
-            for c in contacts.starts[i] as usize..contacts.starts[i + 1] as usize {
-                note::<P>(i, c, grains, contacts, &mut queue);
-                if queue.len == WIDE {
-                    act::<W, P>(&constants, &mut queue, grains, contacts);
-                }
-            }
+        let mut touching = Touching::none();
+        for first in (0..contacts.candidates.len()).step_by(MANY) {
+            interact_many::<W, P>(&constants, first, &mut touching, work, contacts);
         }
-        act::<W, P>(&constants, &mut queue, grains, contacts);
-
         let motion = MotionConstants::<F64x1>::new(laws);
-        walls.force = [[0.0; MAX_LANES]; WALLS];
+        push_of_walls::<P>(&motion, grains, contacts, walls, &mut work.loads);
+
+        let motion = MotionConstants::<W>::new(laws);
+        let affine = AffineRate {
+            rate: everywhere(&affine.rate),
+        };
         let mut fastest = Fastest::none();
-        for i in 0..grains.len() {
-            let mut load = Load::<F64x1>::take::<P>(grains, i);
-            let at_walls = contacts.wall_starts[i] as usize..contacts.wall_starts[i + 1] as usize;
-            if !at_walls.is_empty() {
-                let at = RowGrain::<F64x1>::load::<P>(grains, i);
-                for c in at_walls {
-                    push_of_wall::<F64x1, P>(
-                        &motion,
-                        &at,
-                        &contacts.wall_candidates[c],
-                        walls,
-                        &mut load,
-                    );
-                }
-            }
-            advance::<F64x1, P>(
+        for first in (0..grains.len()).step_by(WIDE) {
+            let eight = Eight::from(first, grains.len());
+            let position = eight.gather::<W>(|i| grains.reference()[i].position);
+            let moved = advance::<W, P>(
                 &motion,
-                (&laws.body_force, affine),
-                i,
-                &load,
-                grains,
+                (&laws.body_force, &affine),
+                [position.x, position.y, position.z],
+                &work.load::<W, P>(eight),
+                eight.load::<W, P>(grains),
                 &mut fastest,
             );
+            eight.store::<W, P>(moved, grains);
         }
         fastest.swept(laws, walls)
     }
 }
 
-/// Finds where every sphere is.
+/// The same vector in every lane.
 #[inline(always)]
-fn place<P: Physics>(grains: &Grains<F64x1>, placed: &mut Vec<Placed<F64x1>>) {
-    if P::ORIENTED {
-        placed.resize(P::Shape::SPHERES * grains.len(), Placed::default());
-        for (i, spheres) in placed.chunks_exact_mut(P::Shape::SPHERES).enumerate() {
-            let at = RowGrain::<F64x1>::load::<P>(grains, i);
-            for (a, sphere) in spheres.iter_mut().enumerate() {
-                *sphere = Placed {
-                    shifted: at.shifted[a],
-                    arm: at.arms[a],
-                };
-            }
-        }
+fn everywhere(vector: &Vec3<F64x1>) -> Vec3<F64x8> {
+    Vec3 {
+        x: F64x8([vector.x.0[0]; WIDE]),
+        y: F64x8([vector.y.0[0]; WIDE]),
+        z: F64x8([vector.z.0[0]; WIDE]),
     }
 }
 
-/// Tests candidate `c` and queues it if it touches.
-#[inline(always)]
-fn note<P: Physics>(
-    i: usize,
-    c: usize,
-    grains: &Grains<F64x1>,
-    contacts: &mut Contacts<F64x1, P::Tangential>,
-    queue: &mut Queue,
-) {
-    let candidate = &mut contacts.candidates[c];
-    let (j, a, b) = (
-        candidate.j as usize,
-        usize::from(candidate.a),
-        usize::from(candidate.b),
-    );
-    let sphere = |grain: usize, sphere: usize| {
-        if P::ORIENTED {
-            contacts.placed[P::Shape::SPHERES * grain + sphere]
-        } else {
-            Placed {
-                shifted: grains.displacement[grain],
-                arm: Vec3::zero(),
-            }
-        }
-    };
-    let (at_i, at_j) = (sphere(i, a), sphere(j, b));
-    let change = at_i.shifted - at_j.shifted;
-    let twice = Vec3::broadcast(candidate.twice_branch);
-    let excess = excess(twice, F64x1([candidate.excess]), change);
-    let touching = excess.lt(F64x1([0.0])).any();
-    if candidate.live && !touching {
-        contacts.histories[c] = Components::from_fn(|_| F64x1::default());
-    }
-    candidate.live = touching;
-    let e = queue.len;
-    queue.i[e] = i as u32;
-    queue.candidate[e] = c as u32;
-    queue.excess.0[e] = excess.0[0];
-    put(&mut queue.branch, e, twice.scale_add(F64x1([0.5]), change));
-    let spin = |grain: usize| {
-        if P::SPINS {
-            grains.spin[grain]
-        } else {
-            Vec3::zero()
-        }
-    };
-    queue
-        .at_i
-        .put::<P>(e, at_i.arm, grains.velocity[i], spin(i));
-    queue
-        .at_j
-        .put::<P>(e, at_j.arm, grains.velocity[j], spin(j));
-    queue.len += usize::from(touching);
-}
+/// The geometry of pairs that are not.
+const NOWHERE: Geometry<F64x8> = Geometry {
+    normal: Vec3 {
+        x: F64x8([0.0; WIDE]),
+        y: F64x8([0.0; WIDE]),
+        z: F64x8([0.0; WIDE]),
+    },
+    overlap: F64x8([0.0; WIDE]),
+    root_overlap: F64x8([0.0; WIDE]),
+};
 
-/// Adds the forces of all queued pairs, in the order in which they were queued.
+/// Adds the forces of those of the next candidates that touch, in their order.
+///
+/// A loop for each part, so that long chains of roots and divisions of different pairs overlap.
 #[inline(always)]
-fn act<W: Lane<Row = F64x8>, P: Physics>(
+fn interact_many<W: Lane<Row = F64x8, Scalar = f64>, P: Physics>(
     constants: &Constants<W, P::Tangential>,
-    queue: &mut Queue,
-    grains: &mut Grains<F64x1>,
+    first: usize,
+    touching: &mut Touching,
+    work: &mut Records,
     contacts: &mut Contacts<F64x1, P::Tangential>,
 ) {
-    let len = std::mem::take(&mut queue.len);
+    let end = contacts.candidates.len().min(first + MANY);
+    touching.find::<P>(first, work, &contacts.candidates[first..end]);
+    forget::<P>(first, &touching.all[..end - first], contacts);
+    let mut geometries = [NOWHERE; MANY / WIDE];
+    let batches = touching.len.div_ceil(WIDE);
+    for (rows, branch) in geometries.iter_mut().zip(&touching.branches).take(batches) {
+        let geometry = geometry(Branch {
+            vector: branch.vector.load::<W>(),
+            excess: W::load(&branch.excess),
+        });
+        geometry.normal.store(&mut rows.normal);
+        geometry.overlap.store(&mut rows.overlap);
+        geometry.root_overlap.store(&mut rows.root_overlap);
+    }
+    let (eights, _) = touching.candidates.as_chunks::<WIDE>();
+    for (n, (rows, eight)) in geometries.iter().zip(eights).take(batches).enumerate() {
+        let count = WIDE.min(touching.len - WIDE * n);
+        push::<W, P>(constants, (eight, count), rows, work, contacts);
+    }
+}
+
+/// Forgets what the pairs that parted remember.
+#[inline(always)]
+fn forget<P: Physics>(
+    first: usize,
+    touching: &[bool],
+    contacts: &mut Contacts<F64x1, P::Tangential>,
+) {
+    let live = &mut contacts.live[first..first + touching.len()];
+    if live != touching {
+        for (e, (live, &touches)) in live.iter_mut().zip(touching).enumerate() {
+            if *live && !touches {
+                contacts.histories[first + e] = Components::from_fn(|_| F64x1::default());
+            }
+            *live = touches;
+        }
+    }
+}
+
+/// Adds the forces of the first `count` of eight pairs.
+#[inline(always)]
+fn push<W: Lane<Row = F64x8, Scalar = f64>, P: Physics>(
+    constants: &Constants<W, P::Tangential>,
+    (queued, count): (&[u32; WIDE], usize),
+    geometry: &Geometry<F64x8>,
+    work: &mut Records,
+    contacts: &mut Contacts<F64x1, P::Tangential>,
+) {
+    let geometry = Geometry {
+        normal: geometry.normal.load(),
+        overlap: W::load(&geometry.overlap),
+        root_overlap: W::load(&geometry.root_overlap),
+    };
+    let eight = queued.map(|c| &contacts.candidates[c as usize]);
+    let i = work.partner::<W, P>(eight.map(|c| (c.i, c.a)));
+    let j = work.partner::<W, P>(eight.map(|c| (c.j, c.b)));
     let mut rows =
         <P::Tangential as TangentialLaw>::History::<F64x8>::from_fn(|_| F64x8::default());
     for (n, row) in rows.as_mut_slice().iter_mut().enumerate() {
-        for e in 0..len {
-            row.0[e] = contacts.histories[queue.candidate[e] as usize].as_slice()[n].0[0];
+        for (number, &c) in row.0.iter_mut().zip(queued) {
+            *number = contacts.histories[c as usize].as_slice()[n].0[0];
         }
     }
     let mut history =
         <P::Tangential as TangentialLaw>::History::<W>::from_fn(|n| W::load(&rows.as_slice()[n]));
-    let geometry = geometry(queue.branch.load::<W>(), W::load(&queue.excess));
-    let (i, j) = (queue.at_i.load(), queue.at_j.load());
     let action = interact::<W, P>(constants, &geometry, &i, &j, &mut history);
     for (n, row) in rows.as_mut_slice().iter_mut().enumerate() {
         history.as_slice()[n].store(row);
-        for e in 0..len {
-            contacts.histories[queue.candidate[e] as usize].as_mut_slice()[n].0[0] = row.0[e];
+    }
+    let forces = fours(action.force);
+    let opposite = fours(action.force.scale(W::constant(-1.0)));
+    let turning_i = fours_if(P::SPINS, action.torque_i());
+    let turning_j = fours_if(P::SPINS, action.torque_j());
+    let (i, j) = (eight.map(|c| c.i as usize), eight.map(|c| c.j as usize));
+    for e in 0..count {
+        let history = contacts.histories[queued[e] as usize].as_mut_slice();
+        for (to, row) in history.iter_mut().zip(rows.as_slice()) {
+            to.0[0] = row.0[e];
         }
+        work.loads[i[e]].add::<P>(&forces[e], &turning_i[e]);
+        work.loads[j[e]].add::<P>(&opposite[e], &turning_j[e]);
     }
-    let (mut force, mut torque_i, mut torque_j) =
-        (Vec3::default(), Vec3::default(), Vec3::default());
-    action.force.store(&mut force);
-    if P::SPINS {
-        action.torque_i().store(&mut torque_i);
-        action.torque_j().store(&mut torque_j);
-    }
-    for e in 0..len {
-        let i = queue.i[e] as usize;
-        let j = contacts.candidates[queue.candidate[e] as usize].j as usize;
-        let force = get(&force, e);
-        grains.force[i] = grains.force[i] + force;
-        grains.force[j] = grains.force[j] - force;
-        if P::SPINS {
-            grains.torque[i] = grains.torque[i] + get(&torque_i, e);
-            grains.torque[j] = grains.torque[j] + get(&torque_j, e);
+}
+
+/// Adds the forces of the walls.
+#[inline(always)]
+fn push_of_walls<P: Physics>(
+    motion: &MotionConstants<F64x1>,
+    grains: &Grains<F64x1>,
+    contacts: &Contacts<F64x1, P::Tangential>,
+    walls: &mut Walls<F64x1>,
+    loads: &mut [Pair],
+) {
+    walls.force = [[0.0; MAX_LANES]; WALLS];
+    for (i, sum) in loads.iter_mut().enumerate() {
+        let candidates = contacts.wall_starts[i] as usize..contacts.wall_starts[i + 1] as usize;
+        if candidates.is_empty() {
+            continue;
+        }
+        let at = RowGrain::<F64x1>::load::<P>(grains, i);
+        let [force, torque] = sum.0.map(|four| vector(four.map(|x| F64x1([x]))));
+        let mut load = Load { force, torque };
+        for candidate in &contacts.wall_candidates[candidates] {
+            push_of_wall::<F64x1, P>(motion, &at, candidate, walls, &mut load);
+        }
+        for (four, v) in sum.0.iter_mut().zip([load.force, load.torque]) {
+            *four = [v.x.0[0], v.y.0[0], v.z.0[0], 0.0];
         }
     }
 }

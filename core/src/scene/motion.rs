@@ -4,7 +4,7 @@ use crate::contact::hertz;
 use crate::force::{AffineRate, BodyForce};
 use crate::grains::Grains;
 use crate::lanes::{Lane, Mask, Row, Scalar};
-use crate::math::Vec3;
+use crate::math::{Quaternion, Vec3};
 use crate::scene::contacts::WallCandidate;
 use crate::scene::{Laws, Physics};
 use crate::shape::Shape;
@@ -36,6 +36,63 @@ impl<L: Lane> MotionConstants<L> {
     }
 }
 
+/// How one grain departs from its reference and moves.
+#[derive(Clone, Copy)]
+pub(super) struct Moving<L> {
+    pub(super) displacement: Vec3<L>,
+    pub(super) velocity: Vec3<L>,
+    /// Meaningless for spheres.
+    pub(super) turn: Quaternion<L>,
+    /// Meaningless where nothing spins.
+    pub(super) spin: Vec3<L>,
+}
+
+impl<L: Lane> Moving<L> {
+    #[inline(always)]
+    pub(super) fn load<P: Physics>(grains: &Grains<L::Row>, i: usize) -> Self {
+        Self {
+            displacement: grains.displacement[i].load(),
+            velocity: grains.velocity[i].load(),
+            turn: if P::ORIENTED {
+                grains.turn[i].load()
+            } else {
+                Quaternion {
+                    w: L::constant(1.0),
+                    v: Vec3::zero(),
+                }
+            },
+            spin: if P::SPINS {
+                grains.spin[i].load()
+            } else {
+                Vec3::zero()
+            },
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn store<P: Physics>(self, grains: &mut Grains<L::Row>, i: usize) {
+        self.displacement.store(&mut grains.displacement[i]);
+        self.velocity.store(&mut grains.velocity[i]);
+        if P::ORIENTED {
+            self.turn.store(&mut grains.turn[i]);
+        }
+        if P::SPINS {
+            self.spin.store(&mut grains.spin[i]);
+        }
+    }
+
+    /// Where the sphere at `arm` in the reference is: its displacement, and its place about the center of mass.
+    #[inline(always)]
+    pub(super) fn sphere<P: Physics>(&self, arm: Vec3<L>) -> (Vec3<L>, Vec3<L>) {
+        if P::ORIENTED {
+            let shift = self.turn.shift(arm);
+            (self.displacement + shift, arm + shift)
+        } else {
+            (self.displacement, Vec3::zero())
+        }
+    }
+}
+
 /// The grain whose row is at hand.
 #[derive(Clone, Copy)]
 pub(super) struct RowGrain<L> {
@@ -50,24 +107,17 @@ pub(super) struct RowGrain<L> {
 impl<L: Lane> RowGrain<L> {
     #[inline(always)]
     pub(super) fn load<P: Physics>(grains: &Grains<L::Row>, i: usize) -> Self {
-        let displacement = grains.displacement[i].load();
+        let moving = Moving::<L>::load::<P>(grains, i);
         let mut at = Self {
-            velocity: grains.velocity[i].load(),
-            spin: if P::SPINS {
-                grains.spin[i].load()
-            } else {
-                Vec3::zero()
-            },
-            shifted: [displacement; MOST_SPHERES],
+            velocity: moving.velocity,
+            spin: moving.spin,
+            shifted: [moving.displacement; MOST_SPHERES],
             arms: [Vec3::zero(); MOST_SPHERES],
         };
         if P::ORIENTED {
-            let turn = grains.turn[i].load::<L>();
             for a in 0..P::Shape::SPHERES {
                 let arm = Vec3::broadcast(grains.lane_arms[P::Shape::SPHERES * i + a]);
-                let shift = turn.shift(arm);
-                at.shifted[a] = displacement + shift;
-                at.arms[a] = arm + shift;
+                (at.shifted[a], at.arms[a]) = moving.sphere::<P>(arm);
             }
         }
         at
@@ -78,24 +128,8 @@ impl<L: Lane> RowGrain<L> {
 #[derive(Clone, Copy)]
 pub(super) struct Load<L> {
     pub(super) force: Vec3<L>,
+    /// Meaningless where nothing spins.
     pub(super) torque: Vec3<L>,
-}
-
-impl<L: Lane> Load<L> {
-    /// What has been summed on grain `i` so far; the sums start at zero again.
-    #[inline(always)]
-    pub(super) fn take<P: Physics>(grains: &mut Grains<L::Row>, i: usize) -> Self {
-        let force = grains.force[i].load();
-        Vec3::<L>::zero().store(&mut grains.force[i]);
-        let torque = if P::SPINS {
-            let torque = grains.torque[i].load();
-            Vec3::<L>::zero().store(&mut grains.torque[i]);
-            torque
-        } else {
-            Vec3::zero()
-        };
-        Self { force, torque }
-    }
 }
 
 /// The force of a wall on one sphere.
@@ -178,61 +212,57 @@ impl<L: Lane> Fastest<L> {
 
     /// An upper bound of how far any sphere or wall moved in this step; not a number if anything is not.
     #[inline(always)]
-    pub(super) fn swept<P: Physics>(self, laws: &Laws<P>, walls: &Walls<L::Row>) -> f64 {
+    pub(super) fn swept<P: Physics>(self, laws: &Laws<P>, walls: &Walls<impl Row>) -> f64 {
         let (mut speed, mut spin) = (L::Row::default(), L::Row::default());
         self.speed.store(&mut speed);
         self.spin.store(&mut spin);
+        let grains = speed
+            .lanes()
+            .iter()
+            .zip(spin.lanes())
+            .map(|(v, w)| v.to_f64().sqrt() + laws.body.reach() * w.to_f64().sqrt());
+        let walls = walls.velocity.iter().flat_map(Row::lanes);
+        let walls = walls.map(|v| v.to_f64().abs());
         let mut most = 0.0f64;
-        for k in 0..L::K {
-            let grain = speed.lanes()[k].to_f64().sqrt()
-                + laws.body.reach() * spin.lanes()[k].to_f64().sqrt();
-            most = if grain <= most { most } else { grain };
-            for wall in &walls.velocity {
-                let wall = wall.lanes()[k].to_f64().abs();
-                most = if wall <= most { most } else { wall };
-            }
+        for speed in grains.chain(walls) {
+            most = if speed <= most { most } else { speed };
         }
         most * laws.time_step
     }
 }
 
-/// Kick by a whole step and drift of grain `i`.
+/// Kick by a whole step and drift of a grain whose reference is at `position`.
 #[inline(always)]
 pub(super) fn advance<L: Lane, P: Physics>(
     constants: &MotionConstants<L>,
     (body_force, affine): (&P::Body, &AffineRate<L::Row>),
-    i: usize,
+    position: [L; 3],
     load: &Load<L>,
-    grains: &mut Grains<L::Row>,
+    from: Moving<L>,
     fastest: &mut Fastest<L>,
-) {
-    let displacement: Vec3<L> = grains.displacement[i].load();
-    let velocity: Vec3<L> = grains.velocity[i].load();
-    let position = Vec3::splat(grains.reference()[i].position) + displacement;
+) -> Moving<L> {
+    let [x, y, z] = position;
+    let mut to = from;
     let acceleration = body_force.linear(
-        position,
-        velocity,
+        Vec3 { x, y, z } + from.displacement,
+        from.velocity,
         affine,
         load.force.scale(constants.inverse_mass),
     );
-    let velocity = acceleration.scale_add(constants.time_step, velocity);
-    velocity.store(&mut grains.velocity[i]);
-    velocity
-        .scale_add(constants.time_step, displacement)
-        .store(&mut grains.displacement[i]);
+    to.velocity = acceleration.scale_add(constants.time_step, from.velocity);
+    to.displacement = to
+        .velocity
+        .scale_add(constants.time_step, from.displacement);
     // `max` keeps its second argument where the first is not a number, so a square that is none must come second.
-    fastest.speed = fastest.speed.max(velocity.dot(velocity));
+    fastest.speed = fastest.speed.max(to.velocity.dot(to.velocity));
     if P::SPINS {
-        let spin: Vec3<L> = grains.spin[i].load();
-        let acceleration = body_force.angular(spin, load.torque.scale(constants.inverse_inertia));
-        let spin = acceleration.scale_add(constants.time_step, spin);
-        spin.store(&mut grains.spin[i]);
+        let acceleration =
+            body_force.angular(from.spin, load.torque.scale(constants.inverse_inertia));
+        to.spin = acceleration.scale_add(constants.time_step, from.spin);
         if P::ORIENTED {
-            grains.turn[i]
-                .load::<L>()
-                .turned(spin.scale(constants.time_step))
-                .store(&mut grains.turn[i]);
-            fastest.spin = fastest.spin.max(spin.dot(spin));
+            to.turn = from.turn.turned(to.spin.scale(constants.time_step));
+            fastest.spin = fastest.spin.max(to.spin.dot(to.spin));
         }
     }
+    to
 }

@@ -5,15 +5,15 @@
 
 use crate::contact::{Components, TangentialLaw};
 use crate::grains::Grains;
-use crate::lanes::{Kernel, Lane, Mask, Row};
+use crate::lanes::{Kernel, Lane, Mask, Row, prefetch};
 use crate::math::Vec3;
 use crate::shape::Shape;
 use crate::wall::{MAX_LANES, WALLS};
 
 use super::contacts::Contacts;
-use super::interact::{Constants, Geometry, Partner, excess, geometry, interact};
-use super::motion::{Fastest, Load, MotionConstants, RowGrain, advance, push_of_wall};
-use super::{Physics, Scene};
+use super::interact::{Branch, Constants, Partner, branch, geometry, interact};
+use super::motion::{Fastest, Load, MotionConstants, Moving, RowGrain, advance, push_of_wall};
+use super::{Physics, Replicas, Scene, Work};
 
 /// Touching pairs that are noted before their forces are found.
 const NOTED: usize = 16;
@@ -21,8 +21,53 @@ const NOTED: usize = 16;
 /// How many candidates ahead the other grain is asked for: about two rows of spheres, one of tetrahedra.
 const AHEAD: usize = 8;
 
+/// The sums of the running step; zero between steps.
+#[derive(Clone, Debug)]
+pub struct Loads<R: Row> {
+    force: Vec<Vec3<R>>,
+    /// Empty where nothing can spin a grain.
+    torque: Vec<Vec3<R>>,
+}
+
+impl<R: Row> Work<R> for Loads<R> {
+    fn new<P: Physics>(grains: &Grains<R>) -> Self {
+        let spinning = if P::SPINS { grains.len() } else { 0 };
+        Self {
+            force: vec![Vec3::default(); grains.len()],
+            torque: vec![Vec3::default(); spinning],
+        }
+    }
+
+    fn bytes(&self) -> usize {
+        std::mem::size_of::<Vec3<R>>() * (self.force.len() + self.torque.len())
+    }
+}
+
+impl<R: Row> Loads<R> {
+    /// What has been summed on grain `i` so far; the sums start at zero again.
+    #[inline(always)]
+    fn take<L: Lane<Row = R>, P: Physics>(&mut self, i: usize) -> Load<L> {
+        let force = self.force[i].load();
+        Vec3::<L>::zero().store(&mut self.force[i]);
+        let mut torque = Vec3::zero();
+        if P::SPINS {
+            torque = self.torque[i].load();
+            Vec3::<L>::zero().store(&mut self.torque[i]);
+        }
+        Load { force, torque }
+    }
+
+    #[inline(always)]
+    fn prefetch<P: Physics>(&self, i: usize) {
+        prefetch(&self.force[i]);
+        if P::SPINS {
+            prefetch(&self.torque[i]);
+        }
+    }
+}
+
 /// The whole step; returns how far anything can have moved.
-pub(super) struct Step<'a, R: Row, P: Physics> {
+pub(super) struct Step<'a, R: Replicas, P: Physics> {
     pub(super) scene: &'a mut Scene<R, P>,
 }
 
@@ -31,12 +76,11 @@ pub(super) struct Step<'a, R: Row, P: Physics> {
 struct Touch<L: Lane> {
     candidate: usize,
     touching: L::Mask,
-    excess: L,
-    branch: Vec3<L>,
+    branch: Branch<L>,
     arm_j: Vec3<L>,
 }
 
-impl<R: Row, P: Physics> Kernel<R> for Step<'_, R, P> {
+impl<R: Replicas<Work = Loads<R>>, P: Physics> Kernel<R> for Step<'_, R, P> {
     type Output = f64;
 
     #[inline(always)]
@@ -47,6 +91,7 @@ impl<R: Row, P: Physics> Kernel<R> for Step<'_, R, P> {
             walls,
             contacts,
             affine,
+            work: loads,
             ..
         } = self.scene;
         let constants = Constants::<L, P::Tangential>::new(laws);
@@ -56,32 +101,41 @@ impl<R: Row, P: Physics> Kernel<R> for Step<'_, R, P> {
         let nothing = Touch {
             candidate: 0,
             touching: L::constant(0.0).lt(L::constant(0.0)),
-            excess: L::constant(0.0),
-            branch: Vec3::zero(),
+            branch: Branch {
+                vector: Vec3::zero(),
+                excess: L::constant(0.0),
+            },
             arm_j: Vec3::zero(),
         };
         let mut touches = [nothing; NOTED];
         for i in 0..grains.len() {
             let at = RowGrain::<L>::load::<P>(grains, i);
-            let mut load = Load::<L>::take::<P>(grains, i);
+            let mut load = loads.take::<L, P>(i);
             let (mut next, end) = (contacts.starts[i] as usize, contacts.starts[i + 1] as usize);
             while next < end {
-                let noted = note::<L, P>(&at, (&mut next, end), grains, contacts, &mut touches);
+                let noted = note::<L, P>(
+                    &at,
+                    (&mut next, end),
+                    (grains, loads),
+                    contacts,
+                    &mut touches,
+                );
                 for touch in &touches[..noted] {
-                    act::<L, P>(&constants, &at, touch, grains, contacts, &mut load);
+                    act::<L, P>(&constants, &at, touch, (grains, loads), contacts, &mut load);
                 }
             }
             for c in contacts.wall_starts[i] as usize..contacts.wall_starts[i + 1] as usize {
                 push_of_wall::<L, P>(&motion, &at, &contacts.wall_candidates[c], walls, &mut load);
             }
-            advance::<L, P>(
+            let moved = advance::<L, P>(
                 &motion,
                 (&laws.body_force, affine),
-                i,
+                grains.reference()[i].position.map(L::constant),
                 &load,
-                grains,
+                Moving::load::<P>(grains, i),
                 &mut fastest,
             );
+            moved.store::<P>(grains, i);
         }
         fastest.swept(laws, walls)
     }
@@ -92,7 +146,7 @@ impl<R: Row, P: Physics> Kernel<R> for Step<'_, R, P> {
 fn note<L: Lane, P: Physics>(
     at: &RowGrain<L>,
     (next, end): (&mut usize, usize),
-    grains: &Grains<L::Row>,
+    (grains, loads): (&Grains<L::Row>, &Loads<L::Row>),
     contacts: &mut Contacts<L::Row, P::Tangential>,
     touches: &mut [Touch<L>; NOTED],
 ) -> usize {
@@ -102,8 +156,9 @@ fn note<L: Lane, P: Physics>(
         *next += 1;
         if let Some(ahead) = contacts.candidates.get(c + AHEAD) {
             grains.prefetch(ahead.j as usize, P::SPINS, P::ORIENTED);
+            loads.prefetch::<P>(ahead.j as usize);
         }
-        let candidate = &mut contacts.candidates[c];
+        let candidate = &contacts.candidates[c];
         let (j, a, b) = (
             candidate.j as usize,
             usize::from(candidate.a),
@@ -117,22 +172,19 @@ fn note<L: Lane, P: Physics>(
             arm_j = arm + shift;
         }
         let change = at.shifted[a] - shifted_j;
-        let twice = Vec3::broadcast(candidate.twice_branch);
-        let excess = excess(twice, L::splat(candidate.excess), change);
-        let touching = excess.lt(L::constant(0.0));
-        let branch = twice.scale_add(L::constant(0.5), change);
+        let branch = branch(candidate.reference.map(L::splat), change);
+        let touching = branch.excess.lt(L::constant(0.0));
         touches[noted] = Touch {
             candidate: c,
             touching,
-            excess,
             branch,
             arm_j,
         };
         let any = touching.any();
-        if candidate.live && !any {
+        if contacts.live[c] && !any {
             contacts.histories[c] = Components::from_fn(|_| L::Row::default());
         }
-        candidate.live = any;
+        contacts.live[c] = any;
         noted += usize::from(any);
     }
     noted
@@ -144,7 +196,7 @@ fn act<L: Lane, P: Physics>(
     constants: &Constants<L, P::Tangential>,
     at: &RowGrain<L>,
     touch: &Touch<L>,
-    grains: &mut Grains<L::Row>,
+    (grains, loads): (&Grains<L::Row>, &mut Loads<L::Row>),
     contacts: &mut Contacts<L::Row, P::Tangential>,
     load: &mut Load<L>,
 ) {
@@ -153,7 +205,7 @@ fn act<L: Lane, P: Physics>(
     let rows = contacts.histories[touch.candidate].as_mut_slice();
     let mut history =
         <P::Tangential as TangentialLaw>::History::<L>::from_fn(|n| L::load(&rows[n]));
-    let geometry: Geometry<L> = geometry(touch.branch, touch.excess);
+    let geometry = geometry(touch.branch);
     let partner_i = Partner {
         arm: at.arms[a],
         velocity: at.velocity,
@@ -175,11 +227,11 @@ fn act<L: Lane, P: Physics>(
     // Lanes that do not touch may hold what is not a number, and add nothing.
     let force = action.force.keep(touch.touching);
     load.force = load.force + force;
-    let on_j: Vec3<L> = grains.force[j].load();
-    (on_j - force).store(&mut grains.force[j]);
+    let on_j: Vec3<L> = loads.force[j].load();
+    (on_j - force).store(&mut loads.force[j]);
     if P::SPINS {
         load.torque = load.torque + action.torque_i().keep(touch.touching);
-        let on_j: Vec3<L> = grains.torque[j].load();
-        (on_j + action.torque_j().keep(touch.touching)).store(&mut grains.torque[j]);
+        let on_j: Vec3<L> = loads.torque[j].load();
+        (on_j + action.torque_j().keep(touch.touching)).store(&mut loads.torque[j]);
     }
 }

@@ -1,10 +1,12 @@
 //! A survey of a scene: what is counted and summed over all grains and contacts, for all replicas at once.
 
-use crate::lanes::{Kernel, Lane, Row};
+use crate::grains::Grains;
+use crate::lanes::{Kernel, Lane};
 use crate::math::Vec3;
 use crate::shape::Shape;
 
-use super::{Physics, Scene};
+use super::interact::branch;
+use super::{Physics, Replicas, Scene};
 
 /// Sums over all grains and contacts, per replica.
 #[derive(Clone, Copy, Debug, Default)]
@@ -26,11 +28,11 @@ pub(crate) struct Sums<R> {
 }
 
 /// Surveys a scene at its present positions and last velocities.
-pub(crate) struct Survey<'a, R: Row, P: Physics> {
+pub(crate) struct Survey<'a, R: Replicas, P: Physics> {
     pub(crate) scene: &'a Scene<R, P>,
 }
 
-impl<R: Row, P: Physics> Kernel<R> for Survey<'_, R, P> {
+impl<R: Replicas, P: Physics> Kernel<R> for Survey<'_, R, P> {
     type Output = Sums<R>;
 
     #[inline(always)]
@@ -53,14 +55,9 @@ impl<R: Row, P: Physics> Kernel<R> for Survey<'_, R, P> {
                 [scene.contacts.starts[i] as usize..scene.contacts.starts[i + 1] as usize]
             {
                 let j = candidate.j as usize;
-                let change = shifted::<L, P>(scene, i, usize::from(candidate.a))
-                    - shifted::<L, P>(scene, j, usize::from(candidate.b));
-                let both = Vec3::broadcast(candidate.twice_branch) + change;
-                let start = L::splat(candidate.excess);
-                let excess = both.x.mul_add(
-                    change.x,
-                    both.y.mul_add(change.y, both.z.mul_add(change.z, start)),
-                );
+                let change = shifted::<L, P>(&scene.grains, i, usize::from(candidate.a))
+                    - shifted::<L, P>(&scene.grains, j, usize::from(candidate.b));
+                let excess = branch(candidate.reference.map(L::splat), change).excess;
                 let touch = one.keep(excess.lt(zero));
                 spheres = spheres + touch;
                 deepest = (-excess).max(deepest);
@@ -75,7 +72,7 @@ impl<R: Row, P: Physics> Kernel<R> for Survey<'_, R, P> {
                 [scene.contacts.wall_starts[i] as usize..scene.contacts.wall_starts[i + 1] as usize]
             {
                 let w = usize::from(candidate.wall);
-                let center = shifted::<L, P>(scene, i, usize::from(candidate.a));
+                let center = shifted::<L, P>(&scene.grains, i, usize::from(candidate.a));
                 let along = match crate::wall::axis(w) {
                     0 => center.x,
                     1 => center.y,
@@ -107,11 +104,11 @@ impl<R: Row, P: Physics> Kernel<R> for Survey<'_, R, P> {
 
 /// Displacement of the center of sphere `a` of grain `i` from the reference.
 #[inline(always)]
-fn shifted<L: Lane, P: Physics>(scene: &Scene<L::Row, P>, i: usize, a: usize) -> Vec3<L> {
-    let displacement = scene.grains.displacement[i].load();
+fn shifted<L: Lane, P: Physics>(grains: &Grains<L::Row>, i: usize, a: usize) -> Vec3<L> {
+    let displacement = grains.displacement[i].load();
     if P::ORIENTED {
-        let arm = Vec3::broadcast(scene.grains.lane_arms[P::Shape::SPHERES * i + a]);
-        displacement + scene.grains.turn[i].load::<L>().shift(arm)
+        let arm = Vec3::broadcast(grains.lane_arms[P::Shape::SPHERES * i + a]);
+        displacement + grains.turn[i].load::<L>().shift(arm)
     } else {
         displacement
     }

@@ -1,0 +1,119 @@
+//! Grains eight at a time: one to a lane.
+
+use crate::grains::Grains;
+use crate::lanes::{F64x1, F64x8, Lane};
+use crate::math::{Quaternion, Vec3};
+use crate::scene::Physics;
+use crate::scene::motion::Moving;
+
+use super::WIDE;
+
+/// Up to eight grains in a row, one to a lane; lanes beyond the last grain repeat it.
+#[derive(Clone, Copy)]
+pub(super) struct Eight {
+    pub(super) first: usize,
+    pub(super) count: usize,
+}
+
+impl Eight {
+    #[inline(always)]
+    pub(super) fn from(first: usize, grains: usize) -> Self {
+        Self {
+            first,
+            count: WIDE.min(grains - first),
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn grain(self, e: usize) -> usize {
+        self.first + e.min(self.count - 1)
+    }
+
+    #[inline(always)]
+    pub(super) fn gather<W: Lane<Row = F64x8, Scalar = f64>>(
+        self,
+        vector: impl Fn(usize) -> [f64; 3],
+    ) -> Vec3<W> {
+        gathered(|e| vector(self.grain(e)))
+    }
+
+    #[inline(always)]
+    pub(super) fn load<W: Lane<Row = F64x8, Scalar = f64>, P: Physics>(
+        self,
+        grains: &Grains<F64x1>,
+    ) -> Moving<W> {
+        let lone = |vector: &Vec3<F64x1>| [vector.x.0[0], vector.y.0[0], vector.z.0[0]];
+        let mut moving = Moving {
+            displacement: self.gather(|i| lone(&grains.displacement[i])),
+            velocity: self.gather(|i| lone(&grains.velocity[i])),
+            turn: Quaternion {
+                w: W::constant(1.0),
+                v: Vec3::zero(),
+            },
+            spin: Vec3::zero(),
+        };
+        if P::SPINS {
+            moving.spin = self.gather(|i| lone(&grains.spin[i]));
+        }
+        if P::ORIENTED {
+            moving.turn = Quaternion {
+                w: W::load(&F64x8(std::array::from_fn(|e| {
+                    grains.turn[self.grain(e)].w.0[0]
+                }))),
+                v: self.gather(|i| lone(&grains.turn[i].v)),
+            };
+        }
+        moving
+    }
+
+    #[inline(always)]
+    pub(super) fn store<W: Lane<Row = F64x8, Scalar = f64>, P: Physics>(
+        self,
+        moving: Moving<W>,
+        grains: &mut Grains<F64x1>,
+    ) {
+        let range = self.first..self.first + self.count;
+        put(moving.displacement, &mut grains.displacement[range.clone()]);
+        put(moving.velocity, &mut grains.velocity[range.clone()]);
+        if P::SPINS {
+            put(moving.spin, &mut grains.spin[range.clone()]);
+        }
+        if P::ORIENTED {
+            let mut turn = Quaternion::default();
+            moving.turn.store(&mut turn);
+            for (e, to) in grains.turn[range].iter_mut().enumerate() {
+                *to = Quaternion {
+                    w: F64x1([turn.w.0[e]]),
+                    v: nth(&turn.v, e),
+                };
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn nth(rows: &Vec3<F64x8>, e: usize) -> Vec3<F64x1> {
+    Vec3 {
+        x: F64x1([rows.x.0[e]]),
+        y: F64x1([rows.y.0[e]]),
+        z: F64x1([rows.z.0[e]]),
+    }
+}
+
+#[inline(always)]
+fn put<W: Lane<Row = F64x8>>(vector: Vec3<W>, to: &mut [Vec3<F64x1>]) {
+    let mut rows = Vec3::default();
+    vector.store(&mut rows);
+    for (e, to) in to.iter_mut().enumerate() {
+        *to = nth(&rows, e);
+    }
+}
+
+#[inline(always)]
+fn gathered<W: Lane<Row = F64x8>>(vector: impl Fn(usize) -> [f64; 3]) -> Vec3<W> {
+    let mut rows = Vec3::<F64x8>::default();
+    for e in 0..WIDE {
+        [rows.x.0[e], rows.y.0[e], rows.z.0[e]] = vector(e);
+    }
+    rows.load()
+}
