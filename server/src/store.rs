@@ -4,6 +4,8 @@
 //! Transactions that write begin `immediate`, so none fails half way because another came first.
 
 mod artifact;
+mod bulk;
+mod chunk;
 mod completion;
 mod detail;
 mod ending;
@@ -73,10 +75,12 @@ impl Store {
                 .acquire_timeout(Duration::from_secs(30))
         };
         // A large intake touches its indexes all over; what it does not use costs nothing.
+        // What undoes a failing statement stays in memory too: a chunk of rows changes a few megabytes at most.
         let writing = options
             .clone()
             .create_if_missing(true)
-            .pragma("cache_size", "-16000");
+            .pragma("cache_size", "-32000")
+            .pragma("temp_store", "memory");
         let writer = pool(1).connect_with(writing).await?;
         schema::migrate(&writer).await?;
         let readers = pool(4).connect_lazy_with(options.read_only(true));
