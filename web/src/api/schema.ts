@@ -725,7 +725,11 @@ export interface components {
         Page_SetRow: {
             /** @description The rows. */
             items: {
-                /** @description Why a number is `null`. */
+                /**
+                 * @description Why a number is `null`; once nothing is still to come, also why `n` is less than `of`.
+                 *
+                 *     While `provisional`, it speaks of the members that count so far, never of those to come.
+                 */
                 missing_reason?: string | null;
                 /**
                  * Format: int64
@@ -1014,7 +1018,11 @@ export interface components {
         };
         /** @description One row of a reduction: points, or other sets, taken together. */
         SetRow: {
-            /** @description Why a number is `null`. */
+            /**
+             * @description Why a number is `null`; once nothing is still to come, also why `n` is less than `of`.
+             *
+             *     While `provisional`, it speaks of the members that count so far, never of those to come.
+             */
             missing_reason?: string | null;
             /**
              * Format: int64
