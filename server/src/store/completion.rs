@@ -57,6 +57,14 @@ impl Store {
         self.commit(transaction).await?;
         for (sweep, points) in wanting {
             self.inner.pace.note(sweep, points);
+            for (outcome, held) in &fresh {
+                if let Some(seconds) = whole_job(held, outcome, outcome.provenance.wall_s) {
+                    let work = held.grain_steps as f64;
+                    self.inner
+                        .pace
+                        .note_taken(sweep, &held.class, work, seconds);
+                }
+            }
         }
         let done = fresh
             .iter()
@@ -79,8 +87,7 @@ impl Store {
         job::job_done(transaction, held.id).await?;
         attempt_end(transaction, held.id, "done", None).await?;
         job::job_unblock(transaction, held.id).await?;
-        let seconds = outcome.provenance.cpu_s / f64::from(outcome.provenance.lanes.max(1));
-        if seconds > 0.0 && held.grain_steps > 0 {
+        if let Some(seconds) = whole_job(held, outcome, outcome.provenance.cpu_s) {
             speed_add(transaction, &held.class, held.grain_steps as f64 / seconds).await?;
         }
         let data = json!({"state": "done", "job": held.job});
@@ -148,6 +155,14 @@ impl Store {
         }
         Ok(())
     }
+}
+
+/// One job's share of the `seconds` of its ensemble, if they were spent on the whole of it.
+///
+/// A second attempt may have gone on from a checkpoint: its time says nothing.
+fn whole_job(held: &Held, outcome: &JobOutcome, seconds: f64) -> Option<f64> {
+    let share = seconds / f64::from(outcome.provenance.lanes.max(1));
+    (held.attempts == 1 && held.grain_steps > 0 && share > 0.0).then_some(share)
 }
 
 async fn outcome_add(

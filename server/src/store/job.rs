@@ -15,6 +15,7 @@ pub(super) struct Held {
     pub(super) kind: String,
     pub(super) class: String,
     pub(super) grain_steps: i64,
+    pub(super) attempts: i64,
     pub(super) losses: u64,
     pub(super) faults: u64,
     pub(super) checkpoint: Option<ArtifactHash>,
@@ -68,7 +69,7 @@ pub(super) async fn job_held(
     lease: i64,
 ) -> Result<Vec<Held>, StoreError> {
     const HELD: &str = "
-        select j.id, j.hash, e.kind, e.class, e.grain_steps, j.losses, j.faults, j.checkpoint,
+        select j.id, j.hash, e.kind, e.class, e.grain_steps, j.attempts, j.losses, j.faults, j.checkpoint,
                exists (select 1 from want w join sweep s on s.id = w.sweep
                         where w.job = j.id and s.state <> 'cancelled')
           from job j join ensemble e on e.id = j.ensemble
@@ -81,6 +82,7 @@ pub(super) async fn job_held(
         i64,
         i64,
         i64,
+        i64,
         Option<Vec<u8>>,
         bool,
     );
@@ -89,16 +91,19 @@ pub(super) async fn job_held(
         .fetch_all(&mut **transaction)
         .await?;
     let held =
-        |(id, job, kind, class, grain_steps, losses, faults, checkpoint, wanted): Row| Held {
-            id,
-            job: stage_id(&job),
-            kind,
-            class,
-            grain_steps,
-            losses: losses as u64,
-            faults: faults as u64,
-            checkpoint: checkpoint.as_deref().map(hash),
-            wanted,
+        |(id, job, kind, class, grain_steps, attempts, losses, faults, checkpoint, wanted): Row| {
+            Held {
+                id,
+                job: stage_id(&job),
+                kind,
+                class,
+                grain_steps,
+                attempts,
+                losses: losses as u64,
+                faults: faults as u64,
+                checkpoint: checkpoint.as_deref().map(hash),
+                wanted,
+            }
         };
     Ok(rows.into_iter().map(held).collect())
 }

@@ -777,7 +777,7 @@ export interface components {
                 created_at: string;
                 /**
                  * Format: double
-                 * @description Seconds to the end, at the present number of workers.
+                 * @description Seconds to the end, at the rate of the jobs that were finished last and the present number of busy engine threads.
                  */
                 eta_s?: number | null;
                 /** @description The experiment. */
@@ -1096,7 +1096,7 @@ export interface components {
             created_at: string;
             /**
              * Format: double
-             * @description Seconds to the end, at the present number of workers.
+             * @description Seconds to the end, at the rate of the jobs that were finished last and the present number of busy engine threads.
              */
             eta_s?: number | null;
             /** @description The experiment. */
