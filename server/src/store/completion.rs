@@ -2,6 +2,7 @@
 
 use granary_api::id::{LeaseId, ResultHash};
 use granary_api::lease::{Completion, JobOutcome};
+use granary_api::problem::Mistake;
 use serde_json::json;
 
 use super::event::{Wanting, event_add, event_finished, event_point};
@@ -23,6 +24,7 @@ impl Store {
             "outcomes",
         )?;
         self.artifacts_exist(&completion.outcomes).await?;
+        hashes_agree(&completion.outcomes)?;
         let mut transaction = self.begin().await?;
         let lease = lease_find(&mut transaction, id).await?;
         let held = match lease {
@@ -163,6 +165,26 @@ impl Store {
 fn whole_job(held: &Held, outcome: &JobOutcome, seconds: f64) -> Option<f64> {
     let share = seconds / f64::from(outcome.provenance.lanes.max(1));
     (held.attempts == 1 && held.grain_steps > 0 && share > 0.0).then_some(share)
+}
+
+/// Refuses outcomes that were damaged on their way, or whose worker hashes differently.
+fn hashes_agree(outcomes: &[JobOutcome]) -> Result<(), StoreError> {
+    let mistake = |(k, outcome): (usize, &JobOutcome)| {
+        let (named, actual) = (outcome.result_hash, outcome.hash());
+        (named != actual).then(|| Mistake {
+            pointer: format!("/outcomes/{k}/result_hash"),
+            detail: format!(
+                "the outcome of {} has the hash {actual}, not {named}",
+                outcome.job
+            ),
+        })
+    };
+    let mistakes: Vec<Mistake> = outcomes.iter().enumerate().filter_map(mistake).collect();
+    if mistakes.is_empty() {
+        Ok(())
+    } else {
+        Err(StoreError::ResultMismatch(mistakes))
+    }
 }
 
 async fn outcome_add(

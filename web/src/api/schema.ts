@@ -96,7 +96,10 @@ export interface paths {
         };
         get?: never;
         put?: never;
-        /** Records the outcomes of leased jobs, all or none; 409 `lease_lost` if the lease of one is another. */
+        /**
+         * Records the outcomes of leased jobs, all or none; 409 `lease_lost` if the lease of one is another.
+         * @description 422 `result-mismatch` if an outcome does not have its `result_hash`: the server computes it again.
+         */
         post: operations["complete_lease"];
         delete?: never;
         options?: never;
@@ -537,7 +540,7 @@ export interface components {
             job: string;
             /** @description Where and how it was computed. */
             provenance: components["schemas"]["Provenance"];
-            /** @description The hash of the above, as [`granary_core::stage::Outcome::hash`] makes it. */
+            /** @description The hash of results, artifacts, warnings and steps, as [`granary_core::stage::Outcome::hash`] makes it. */
             result_hash: string;
             /** @description Scalars by name. */
             results: {
