@@ -1,6 +1,7 @@
 //! The store: all SQL, and the files beside it.
 //!
-//! One SQLite file, opened by one process: write-ahead log, every commit synced, one connection that writes.
+//! One SQLite file, held by one process: write-ahead log, every commit synced, one connection that writes.
+//! Only [`Tokens`] are made and revoked beside it, by `granary token` while a server runs.
 //! Transactions that write begin `immediate`, so none fails half way because another came first.
 
 mod artifact;
@@ -24,6 +25,7 @@ mod sweep;
 mod token;
 mod worker;
 
+use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -35,6 +37,7 @@ use crate::config::Config;
 pub use artifact::ArtifactFile;
 pub use error::StoreError;
 pub use intake::Submission;
+pub use token::Tokens;
 
 /// A transaction that may write.
 type Writing = Transaction<'static, Sqlite>;
@@ -62,13 +65,7 @@ impl Store {
     pub async fn open(config: Config, holder: &str) -> Result<Self, StoreError> {
         let lock = lock::DataLock::take(&config.data, holder)?;
         artifact::prepare(&config.data)?;
-        let options = SqliteConnectOptions::new()
-            .filename(config.data.join("granary.sqlite"))
-            .journal_mode(SqliteJournalMode::Wal)
-            .synchronous(SqliteSynchronous::Full)
-            .foreign_keys(true)
-            .busy_timeout(Duration::from_secs(5))
-            .statement_cache_capacity(200);
+        let options = connecting(&config.data);
         let pool = |most| {
             SqlitePoolOptions::new()
                 .max_connections(most)
@@ -136,6 +133,17 @@ impl Store {
     fn readers(&self) -> &SqlitePool {
         &self.inner.readers
     }
+}
+
+/// How every connection to the database of `data` is made.
+fn connecting(data: &Path) -> SqliteConnectOptions {
+    SqliteConnectOptions::new()
+        .filename(data.join("granary.sqlite"))
+        .journal_mode(SqliteJournalMode::Wal)
+        .synchronous(SqliteSynchronous::Full)
+        .foreign_keys(true)
+        .busy_timeout(Duration::from_secs(5))
+        .statement_cache_capacity(200)
 }
 
 /// Milliseconds since 1970, UTC; for people, never for rules.

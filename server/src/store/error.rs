@@ -25,7 +25,7 @@ pub enum StoreError {
         /// Why.
         source: serde_json::Error,
     },
-    /// The database was made by a later release.
+    /// The database was made by another release.
     #[error(
         "the database has schema {found}, and this release knows {known}: use the release that made it"
     )]
