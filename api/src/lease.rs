@@ -6,7 +6,7 @@
 
 use std::collections::BTreeMap;
 
-use granary_core::identity::{ArtifactHash, ResultHash};
+use granary_core::identity::{ArtifactHash, ResultHash, canonical_json};
 use granary_core::stage::{StageFailure, StageSpec};
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
@@ -112,11 +112,34 @@ pub struct JobOutcome {
     pub artifacts: BTreeMap<String, ArtifactHash>,
     /// What a reader of the numbers should know.
     pub warnings: Vec<String>,
-    /// The hash of the above, as [`granary_core::stage::Outcome::hash`] makes it.
+    /// The hash of results, artifacts, warnings and steps, as [`granary_core::stage::Outcome::hash`] makes it.
     #[schema(value_type = String)]
     pub result_hash: ResultHash,
     /// Where and how it was computed.
     pub provenance: Provenance,
+}
+
+/// The part of an outcome that its hash covers, as `granary_core` declares it for [`granary_core::stage::Outcome`].
+#[derive(Serialize)]
+struct HashedOutcome<'a> {
+    results: &'a BTreeMap<String, Option<f64>>,
+    artifacts: &'a BTreeMap<String, ArtifactHash>,
+    warnings: &'a [String],
+    steps: u64,
+}
+
+impl JobOutcome {
+    /// The hash that what is reported has, whatever `result_hash` says.
+    #[must_use]
+    pub fn hash(&self) -> ResultHash {
+        let hashed = HashedOutcome {
+            results: &self.results,
+            artifacts: &self.artifacts,
+            warnings: &self.warnings,
+            steps: self.provenance.steps,
+        };
+        ResultHash::of_bytes(canonical_json(&hashed).as_bytes())
+    }
 }
 
 /// Where and how an outcome was computed: kept beside it, never part of its hash.
@@ -169,4 +192,44 @@ pub struct JobFailure {
 pub struct Release {
     /// The jobs handed back, with their progress.
     pub jobs: Vec<JobProgress>,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use granary_core::stage::{Outcome, STATE};
+
+    #[test]
+    fn report_has_the_hash_of_its_outcome_also_after_the_wire() {
+        let bytes = b"grains at rest".to_vec();
+        let outcome = Outcome {
+            results: BTreeMap::from([
+                ("hold_kinetic_energy".to_owned(), Some(1.0 / 3.0 * 1e-15)),
+                ("fidelity".to_owned(), None),
+            ]),
+            artifacts: BTreeMap::from([(STATE.to_owned(), bytes.clone())]),
+            warnings: vec!["γ0 is large".to_owned()],
+            steps: 1234,
+        };
+        let report = JobOutcome {
+            job: JobId::of_bytes(b"a stage"),
+            results: outcome.results.clone(),
+            artifacts: BTreeMap::from([(STATE.to_owned(), ArtifactHash::of_bytes(&bytes))]),
+            warnings: outcome.warnings.clone(),
+            result_hash: outcome.hash(),
+            provenance: Provenance {
+                engine_version: String::new(),
+                physics_version: 1,
+                target: String::new(),
+                worker: WorkerId("w".to_owned()),
+                steps: 1234,
+                lanes: 1,
+                wall_s: 1.0,
+                cpu_s: 1.0,
+            },
+        };
+        let text = serde_json::to_string(&report).expect("plain data");
+        let arrived: JobOutcome = serde_json::from_str(&text).expect("a report");
+        assert_eq!(arrived.hash(), outcome.hash());
+    }
 }

@@ -109,7 +109,7 @@ pub struct Sweep {
     pub points: PointCounts,
     /// Points finished per second over the last minutes, since this server started.
     pub points_per_second: Option<f64>,
-    /// Seconds to the end, at the present number of workers.
+    /// Seconds to the end, at the rate of the jobs that were finished last and the present number of busy engine threads.
     pub eta_s: Option<f64>,
     /// The parameters that vary.
     pub axes: Vec<String>,

@@ -70,7 +70,9 @@ pub struct SetRow {
     pub of: u64,
     /// Whether members are still to come.
     pub provisional: bool,
-    /// Why a number is `null`.
+    /// Why a number is `null`; once nothing is still to come, also why `n` is less than `of`.
+    ///
+    /// While `provisional`, it speaks of the members that count so far, never of those to come.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub missing_reason: Option<String>,
 }

@@ -34,7 +34,9 @@ fn client_error(call: &'static str, error: &StoreError) -> ClientError {
     match error {
         StoreError::LeaseLost(_) => ClientError::LeaseLost,
         StoreError::NotFound(_) => refused(404),
-        StoreError::Invalid(_) | StoreError::HashMismatch { .. } => refused(422),
+        StoreError::Invalid(_)
+        | StoreError::HashMismatch { .. }
+        | StoreError::ResultMismatch(_) => refused(422),
         StoreError::TooLarge(_) => refused(413),
         StoreError::Database(source) => ClientError::Unavailable {
             call,

@@ -21,7 +21,7 @@ pub(crate) struct Args {
     /// Sets (gain, fidelity, means) instead of points.
     #[arg(long)]
     sets: bool,
-    /// How to print it; CSV and Parquet come as the server writes them.
+    /// How to print it; CSV comes as the server writes it.
     #[arg(long, value_enum, default_value_t = Format::Table)]
     format: Format,
     /// The same as `--format json`.
@@ -41,7 +41,6 @@ enum Format {
     Table,
     Json,
     Csv,
-    Parquet,
 }
 
 impl Args {
@@ -71,20 +70,16 @@ async fn print<T: DeserializeOwned + Serialize>(
     render: impl Fn(&[T]) -> Table,
 ) -> anyhow::Result<()> {
     let format = if args.json { Format::Json } else { args.format };
-    let whole = match format {
-        Format::Csv => "csv",
-        Format::Parquet => "parquet",
-        Format::Table | Format::Json => {
-            let rows: Vec<T> = client.rows(args.sweep, name, &args.query()).await?;
-            return if format == Format::Json {
-                output::json(&json!({"items": rows, "next": null}))
-            } else {
-                output::bytes(render(&rows).render().as_bytes())
-            };
-        }
-    };
-    let mut query = args.query();
-    query.push(("format".to_owned(), whole.to_owned()));
-    let path = format!("/sweeps/{}/{name}?{}", args.sweep, encode(&query));
-    output::bytes(&client.get(&path).await?)
+    if format == Format::Csv {
+        let mut query = args.query();
+        query.push(("format".to_owned(), "csv".to_owned()));
+        let path = format!("/sweeps/{}/{name}?{}", args.sweep, encode(&query));
+        return output::bytes(&client.get(&path).await?);
+    }
+    let rows: Vec<T> = client.rows(args.sweep, name, &args.query()).await?;
+    if format == Format::Json {
+        output::json(&json!({"items": rows, "next": null}))
+    } else {
+        output::bytes(render(&rows).render().as_bytes())
+    }
 }

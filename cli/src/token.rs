@@ -2,14 +2,14 @@
 
 use std::path::PathBuf;
 
+use anyhow::Context;
 use granary_api::token::Scope;
-use granary_server::Config;
+use granary_server::Tokens;
 
 use crate::failure::Done;
 use crate::output;
-use crate::service::Service;
 
-/// Make or revoke bearer tokens; where any exists, every request needs one.
+/// Make or revoke bearer tokens, also while the server runs; where any exists, every request needs one.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     #[command(subcommand)]
@@ -40,7 +40,7 @@ enum Action {
 
 #[derive(Debug, clap::Args)]
 struct Place {
-    /// Directory of the database; no server may hold it.
+    /// Directory of the database, on this machine.
     #[arg(
         long,
         env = "GRANARY_DATA",
@@ -77,20 +77,22 @@ impl From<ScopeName> for Scope {
 /// Makes or revokes.
 pub(crate) async fn run(args: Args) -> anyhow::Result<Done> {
     let (Action::Create { place, .. } | Action::Revoke { place, .. }) = &args.action;
-    let service = Service::open(Config::new(&place.data), "granary token").await?;
-    let done = act(&service, &args.action).await;
-    service.stop().await?;
+    let tokens = Tokens::open(&place.data).await;
+    let place = place.data.display();
+    let tokens = tokens.with_context(|| format!("cannot use the data directory {place}"))?;
+    let done = act(&tokens, &args.action).await;
+    tokens.close().await;
     done
 }
 
-async fn act(service: &Service, action: &Action) -> anyhow::Result<Done> {
+async fn act(tokens: &Tokens, action: &Action) -> anyhow::Result<Done> {
     match action {
         Action::Create { scopes, name, .. } => {
             let scopes: Vec<Scope> = scopes.iter().map(|scope| (*scope).into()).collect();
-            output::line(&service.store.token_create(name, &scopes).await?)?;
+            output::line(&tokens.create(name, &scopes).await?)?;
         }
         Action::Revoke { name, .. } => {
-            let count = service.store.token_revoke(name).await?;
+            let count = tokens.revoke(name).await?;
             anyhow::ensure!(count > 0, "no token is called `{name}`");
             eprintln!("{count} revoked");
         }

@@ -93,6 +93,12 @@ impl From<StoreError> for ApiError {
                 let status = StatusCode::UNPROCESSABLE_ENTITY;
                 Self::new(status, "idempotency-key-reused", "The key is taken", said)
             }
+            StoreError::ResultMismatch(mistakes) => {
+                let status = StatusCode::UNPROCESSABLE_ENTITY;
+                let detail = format!("{said}; nothing was recorded");
+                let title = "The outcome is not the one that was hashed";
+                Self::new(status, "result-mismatch", title, detail).with(mistakes)
+            }
             StoreError::HashMismatch { .. } => {
                 let status = StatusCode::UNPROCESSABLE_ENTITY;
                 Self::new(

@@ -20,7 +20,7 @@ use serde_json::Value;
 pub use config::Config;
 pub use routes::{app, openapi};
 pub use serve::{ServeError, Server, background};
-pub use store::{ArtifactFile, Store, StoreError, Submission};
+pub use store::{ArtifactFile, Store, StoreError, Submission, Tokens};
 
 /// Submits a spec as JSON, the same value that its TOML form converts to; every mistake is in the error, and nothing is queued then.
 pub async fn submit(

@@ -51,6 +51,16 @@ pub const MOVES: [(JobState, JobState); 16] = [
     (Cancelled, Failed),
 ];
 
+/// Where a new job begins, by the state of the job that it needs, if it needs one.
+#[must_use]
+pub fn first_state(needs: Option<JobState>) -> JobState {
+    match needs {
+        None | Some(Done) => Ready,
+        Some(Failed | Poisoned) => Failed,
+        Some(_) => Blocked,
+    }
+}
+
 /// What ends a lease on a job without an outcome.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Ending {

@@ -42,6 +42,8 @@ struct Collected {
     open: bool,
     /// Members with an outcome of their own.
     done: u64,
+    /// Whether a member is done and the zero waveform that it is compared with is not.
+    awaits_zero: bool,
 }
 
 impl Scorer {
@@ -58,17 +60,17 @@ impl Scorer {
 
     /// Adds one point to its set.
     pub fn add(&mut self, member: &Member) {
-        let parameters = without(&member.parameters, &self.over);
-        let key = Value::Object(parameters.clone()).to_string();
+        let key = key(&member.parameters, &self.over);
         let place = *self.places.entry(key).or_insert_with(|| {
             self.sets.push(Collected {
-                parameters,
+                parameters: without(&member.parameters, &self.over),
                 scale: member.scale,
                 dots: Dots::default(),
                 n: 0,
                 of: 0,
                 open: false,
                 done: 0,
+                awaits_zero: false,
             });
             self.sets.len() - 1
         });
@@ -76,6 +78,7 @@ impl Scorer {
         set.of += 1;
         set.open |= member.open;
         set.done += u64::from(member.done);
+        set.awaits_zero |= member.done && member.open;
         if let Some(dots) = member.dots {
             set.n += 1;
             set.dots += dots;
@@ -96,14 +99,7 @@ impl Scorer {
 fn scored(set: Collected, processing: Processing) -> SetRow {
     let [youngs_modulus, delta0, gamma0] = set.scale;
     let score = Score::of(&set.dots, youngs_modulus, delta0, gamma0);
-    let reason = match set.n {
-        0 if set.open => Some("no member is done yet"),
-        0 if set.done > 0 => {
-            Some("what the signals are compared with is missing: the zero waveform has failed")
-        }
-        0 => Some("no member has an outcome"),
-        _ => Score::missing_reason(&set.dots),
-    };
+    let reason = score_reason(&set);
     let results = [
         ("gain", score.gain),
         ("gain_e_delta0", score.gain_e_delta0),
@@ -122,8 +118,40 @@ fn scored(set: Collected, processing: Processing) -> SetRow {
         n: set.n,
         of: set.of,
         provisional: set.open,
-        missing_reason: reason.map(str::to_owned),
+        missing_reason: reason,
     }
+}
+
+/// Why a number is missing, or, once nothing is still to come, why members are.
+fn score_reason(set: &Collected) -> Option<String> {
+    let text = match set.n {
+        0 if set.awaits_zero => {
+            "the zero waveform that the signals are compared with is not done yet"
+        }
+        0 if set.done > 0 => {
+            "what the signals are compared with is missing: the zero waveform has failed"
+        }
+        0 if set.open => "no member is done yet",
+        0 => "no member has an outcome",
+        _ => match Score::missing_reason(&set.dots) {
+            Some(reason) if set.open => return Some(so_far(reason)),
+            Some(reason) => reason,
+            None if !set.open && set.n < set.of => {
+                return Some(format!(
+                    "{} of {} members are missing: failed or cancelled",
+                    set.of - set.n,
+                    set.of
+                ));
+            }
+            None => return None,
+        },
+    };
+    Some(text.to_owned())
+}
+
+/// A reason that members to come may take away.
+fn so_far(reason: &str) -> String {
+    format!("so far: {reason}")
 }
 
 /// Mean and standard error of the mean of the sets that differ in `over` only.
@@ -132,10 +160,9 @@ pub fn mean_sem(sets: &[SetRow], over: &[String]) -> Vec<SetRow> {
     let mut places: HashMap<String, usize> = HashMap::new();
     let mut groups: Vec<(Map<String, Value>, Vec<&SetRow>)> = vec![];
     for set in sets {
-        let parameters = without(&set.parameters, over);
-        let key = format!("{:?}{}", set.processing, Value::Object(parameters.clone()));
+        let key = format!("{:?} {}", set.processing, key(&set.parameters, over));
         let place = *places.entry(key).or_insert_with(|| {
-            groups.push((parameters, vec![]));
+            groups.push((without(&set.parameters, over), vec![]));
             groups.len() - 1
         });
         groups[place].1.push(set);
@@ -161,23 +188,63 @@ fn mean(parameters: Map<String, Value>, members: &[&SetRow]) -> SetRow {
         results.insert(name.clone(), mean);
         results.insert(format!("{name}_sem"), sem);
     }
-    let counts = |set: &&&SetRow| set.results.values().any(Option::is_some);
-    let n = members.iter().filter(counts).count() as u64;
-    let reason = match n {
-        0 => members.iter().find_map(|set| set.missing_reason.clone()),
-        1 => Some("one member has no standard error of the mean".to_owned()),
-        _ => members.iter().find_map(|set| set.missing_reason.clone()),
-    };
+    let counted: Vec<&SetRow> = members.iter().copied().filter(|set| counts(set)).collect();
+    let provisional = members.iter().any(|set| set.provisional);
+    let null = results.values().any(Option::is_none);
     SetRow {
         set: 0,
         reduce: "mean_sem".to_owned(),
         processing: members[0].processing.clone(),
         parameters,
-        results,
-        n,
+        n: counted.len() as u64,
         of: members.len() as u64,
-        provisional: members.iter().any(|set| set.provisional),
-        missing_reason: reason,
+        provisional,
+        missing_reason: mean_reason(members, &counted, provisional, null),
+        results,
+    }
+}
+
+/// Whether a set has any number for a mean.
+fn counts(set: &SetRow) -> bool {
+    set.results.values().any(Option::is_some)
+}
+
+/// Why a number of a mean is missing, or, once nothing is still to come, why members are.
+///
+/// What is still to come is no reason for anything once a number is there, so a half-done mean never quotes
+/// the reason of a member that it waits for.
+fn mean_reason(
+    members: &[&SetRow],
+    counted: &[&SetRow],
+    provisional: bool,
+    null: bool,
+) -> Option<String> {
+    let of_some = |sets: &[&SetRow]| sets.iter().find_map(|set| set.missing_reason.clone());
+    if provisional {
+        return match counted.len() {
+            0 => Some("no member has a number yet".to_owned()),
+            1 => Some(so_far("one member has no standard error of the mean")),
+            _ if null => of_some(counted),
+            _ => None,
+        };
+    }
+    let absent: Vec<&SetRow> = members.iter().copied().filter(|set| !counts(set)).collect();
+    let missing = of_some(&absent).map(|reason| match counted.len() {
+        0 => reason,
+        _ => format!(
+            "{} of {} members have no number: {reason}",
+            absent.len(),
+            members.len()
+        ),
+    });
+    let own = match counted.len() {
+        1 => Some("one member has no standard error of the mean".to_owned()),
+        _ if null => of_some(counted),
+        _ => None,
+    };
+    match (own, missing) {
+        (Some(own), Some(missing)) => Some(format!("{own}; {missing}")),
+        (own, missing) => own.or(missing),
     }
 }
 
@@ -195,6 +262,18 @@ fn moments(values: &[f64]) -> (Option<f64>, Option<f64>) {
     )
 }
 
+/// A text that two points have in common if they differ in `over` only.
+fn key(parameters: &Map<String, Value>, over: &[String]) -> String {
+    let mut key = String::new();
+    for (name, value) in parameters.iter().filter(|(name, _)| !over.contains(name)) {
+        key.push_str(name);
+        key.push(' ');
+        key.push_str(&value.to_string());
+        key.push(' ');
+    }
+    key
+}
+
 fn without(parameters: &Map<String, Value>, over: &[String]) -> Map<String, Value> {
     let kept = parameters.iter().filter(|(name, _)| !over.contains(name));
     kept.map(|(name, value)| (name.clone(), value.clone()))
@@ -202,77 +281,4 @@ fn without(parameters: &Map<String, Value>, over: &[String]) -> Map<String, Valu
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use serde_json::json;
-
-    fn member(seed: u64, waveform: &str, dots: Option<Dots>) -> Member {
-        let parameters = json!({"packing_seed": seed, "waveform": waveform});
-        Member {
-            parameters: parameters.as_object().expect("an object").clone(),
-            open: dots.is_none(),
-            dots,
-            done: dots.is_some(),
-            scale: [1e7, 0.05, 1e-3],
-        }
-    }
-
-    /// Dots of a signal that is `gain_e_delta0 γ0` times its J.
-    fn recalled(gain_e_delta0: f64) -> Dots {
-        let p = gain_e_delta0 * 1e-3;
-        Dots {
-            j_p: p,
-            j_j: 1.0,
-            p_p: p * p,
-        }
-    }
-
-    fn scores(members: &[Member]) -> Vec<SetRow> {
-        let mut scorer = Scorer::new(&["waveform".to_owned()], Processing::Sub0);
-        for member in members {
-            scorer.add(member);
-        }
-        scorer.finish()
-    }
-
-    #[test]
-    fn half_done_set_is_provisional_with_the_members_it_has() {
-        let sets = scores(&[
-            member(1, "six/1", Some(recalled(1.5e5))),
-            member(1, "six/2", None),
-        ]);
-        assert_eq!(
-            (sets.len(), sets[0].n, sets[0].of, sets[0].provisional),
-            (1, 1, 2, true)
-        );
-        let gain = sets[0].results["gain_e_delta0"].expect("one member is done");
-        assert!((gain - 1.5e5).abs() < 1e-6);
-    }
-
-    #[test]
-    fn mean_over_packings_has_the_standard_error_of_two_and_none_of_one() {
-        let sets = scores(&[
-            member(1, "six/1", Some(recalled(1.0e5))),
-            member(2, "six/1", Some(recalled(3.0e5))),
-        ]);
-        let over = ["packing_seed".to_owned()];
-        let means = mean_sem(&sets, &over);
-        assert_eq!((means.len(), means[0].n, means[0].of), (1, 2, 2));
-        // Two values 1 and 3: mean 2, SEM = √(2/1/2) = 1.
-        assert!((means[0].results["gain_e_delta0"].expect("two") - 2.0e5).abs() < 1e-6);
-        assert!((means[0].results["gain_e_delta0_sem"].expect("two") - 1.0e5).abs() < 1e-6);
-        let one = mean_sem(&sets[..1], &over);
-        assert_eq!(one[0].results["gain_sem"], None);
-        assert!(one[0].missing_reason.is_some());
-    }
-
-    #[test]
-    fn nothing_done_is_null_with_a_reason() {
-        let sets = scores(&[member(1, "six/1", None)]);
-        assert_eq!(sets[0].results["gain"], None);
-        assert_eq!(
-            sets[0].missing_reason.as_deref(),
-            Some("no member is done yet")
-        );
-    }
-}
+mod tests;

@@ -1,9 +1,12 @@
 //! The store: all SQL, and the files beside it.
 //!
-//! One SQLite file, opened by one process: write-ahead log, every commit synced, one connection that writes.
+//! One SQLite file, held by one process: write-ahead log, every commit synced, one connection that writes.
+//! Only [`Tokens`] are made and revoked beside it, by `granary token` while a server runs.
 //! Transactions that write begin `immediate`, so none fails half way because another came first.
 
 mod artifact;
+mod bulk;
+mod chunk;
 mod completion;
 mod detail;
 mod ending;
@@ -22,6 +25,7 @@ mod sweep;
 mod token;
 mod worker;
 
+use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -33,6 +37,7 @@ use crate::config::Config;
 pub use artifact::ArtifactFile;
 pub use error::StoreError;
 pub use intake::Submission;
+pub use token::Tokens;
 
 /// A transaction that may write.
 type Writing = Transaction<'static, Sqlite>;
@@ -60,23 +65,19 @@ impl Store {
     pub async fn open(config: Config, holder: &str) -> Result<Self, StoreError> {
         let lock = lock::DataLock::take(&config.data, holder)?;
         artifact::prepare(&config.data)?;
-        let options = SqliteConnectOptions::new()
-            .filename(config.data.join("granary.sqlite"))
-            .journal_mode(SqliteJournalMode::Wal)
-            .synchronous(SqliteSynchronous::Full)
-            .foreign_keys(true)
-            .busy_timeout(Duration::from_secs(5))
-            .statement_cache_capacity(200);
+        let options = connecting(&config.data);
         let pool = |most| {
             SqlitePoolOptions::new()
                 .max_connections(most)
                 .acquire_timeout(Duration::from_secs(30))
         };
         // A large intake touches its indexes all over; what it does not use costs nothing.
+        // What undoes a failing statement stays in memory too: a chunk of rows changes a few megabytes at most.
         let writing = options
             .clone()
             .create_if_missing(true)
-            .pragma("cache_size", "-16000");
+            .pragma("cache_size", "-32000")
+            .pragma("temp_store", "memory");
         let writer = pool(1).connect_with(writing).await?;
         schema::migrate(&writer).await?;
         let readers = pool(4).connect_lazy_with(options.read_only(true));
@@ -132,6 +133,17 @@ impl Store {
     fn readers(&self) -> &SqlitePool {
         &self.inner.readers
     }
+}
+
+/// How every connection to the database of `data` is made.
+fn connecting(data: &Path) -> SqliteConnectOptions {
+    SqliteConnectOptions::new()
+        .filename(data.join("granary.sqlite"))
+        .journal_mode(SqliteJournalMode::Wal)
+        .synchronous(SqliteSynchronous::Full)
+        .foreign_keys(true)
+        .busy_timeout(Duration::from_secs(5))
+        .statement_cache_capacity(200)
 }
 
 /// Milliseconds since 1970, UTC; for people, never for rules.

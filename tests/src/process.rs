@@ -61,6 +61,21 @@ impl Process {
         }
     }
 
+    /// The most memory that it has used so far \[kB\].
+    ///
+    /// # Panics
+    /// If the process is gone, or the machine is no Linux.
+    #[must_use]
+    pub fn most_memory(&self) -> u64 {
+        let path = format!("/proc/{}/status", self.child.id());
+        let status = std::fs::read_to_string(path).expect("the process lives");
+        let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
+        let kilobytes = line.and_then(|line| line.split_whitespace().next());
+        kilobytes
+            .and_then(|text| text.parse().ok())
+            .expect("a number of kB")
+    }
+
     /// Sends a signal.
     ///
     /// # Panics

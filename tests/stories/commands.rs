@@ -47,6 +47,33 @@ fn a_watcher_may_leave_and_the_sweep_goes_on() {
 }
 
 #[test]
+fn tokens_are_made_and_revoked_while_the_server_runs() {
+    let sandbox = Sandbox::new();
+    let (_server, address) = sandbox.serve(&["--data", "data", "--workers", "0"]);
+    let sweeps = |more: &[&str]| {
+        let list = ["sweeps", "--json", "--server", &address];
+        sandbox.run(&[&list[..], more].concat())
+    };
+    assert_eq!(sweeps(&[]).code, Some(0));
+    let place = ["--data", "data"];
+    let create = ["token", "create", "--scope", "read", "--name", "reader"];
+    let made = sandbox.run(&[&create[..], &place].concat()).expect(0);
+    sandbox.write("reader.token", &made.stdout);
+    // The server notices at once.
+    let refused = sweeps(&[]);
+    assert_ne!(refused.code, Some(0));
+    assert!(refused.stderr.contains("token"), "{}", refused.stderr);
+    assert_eq!(sweeps(&["--token-file", "reader.token"]).code, Some(0));
+    let second = ["serve", "--listen", "127.0.0.1:0", "--data", "data"];
+    let second = sandbox.run(&second).expect(1);
+    assert!(second.stderr.contains(&address), "{}", second.stderr);
+    let revoke = ["token", "revoke", "reader"];
+    let revoked = sandbox.run(&[&revoke[..], &place].concat()).expect(0);
+    assert!(revoked.stderr.contains("1 revoked"), "{}", revoked.stderr);
+    assert_eq!(sweeps(&[]).code, Some(0));
+}
+
+#[test]
 fn bench_reports_the_figures_that_scripts_read() {
     let sandbox = Sandbox::new();
     let arguments = [

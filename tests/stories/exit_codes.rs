@@ -29,6 +29,17 @@ fn a_bad_spec_ends_with_2_and_shows_every_mistake_with_its_line() {
 }
 
 #[test]
+fn a_format_that_no_server_writes_is_refused_with_those_that_are() {
+    let sandbox = Sandbox::new();
+    let sweep = "019a0000-0000-7000-8000-000000000000";
+    let refused = sandbox.run(&["results", sweep, "--format", "parquet"]);
+    let refused = refused.expect(2);
+    for words in ["'parquet'", "--format", "table, json, csv"] {
+        assert!(refused.stderr.contains(words), "{}", refused.stderr);
+    }
+}
+
+#[test]
 fn a_server_that_is_not_there_ends_with_4_and_names_the_next_command() {
     let sandbox = Sandbox::new();
     sandbox.write("tiny.toml", &tiny(5, "[1]", ONE));

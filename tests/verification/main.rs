@@ -1,4 +1,6 @@
-//! Long checks of the whole service: `make verify WHAT=crash`.
+//! Long checks of the whole service: `make verify WHAT=crash`, `make verify WHAT=intake`.
+
+mod intake;
 
 #[test]
 fn crash_200_sweeps_under_kill_9() {

@@ -49,6 +49,8 @@ pub(super) async fn beat_lease(
 }
 
 /// Records the outcomes of leased jobs, all or none; 409 `lease_lost` if the lease of one is another.
+///
+/// 422 `result-mismatch` if an outcome does not have its `result_hash`: the server computes it again.
 #[utoipa::path(post, path = "/api/v1/leases/{lease}/complete", params(("lease" = LeaseId, Path)),
     request_body = Completion, responses((status = 204), (status = 409, body = Problem), (status = 422, body = Problem)))]
 pub(super) async fn complete_lease(

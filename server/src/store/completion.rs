@@ -2,6 +2,7 @@
 
 use granary_api::id::{LeaseId, ResultHash};
 use granary_api::lease::{Completion, JobOutcome};
+use granary_api::problem::Mistake;
 use serde_json::json;
 
 use super::event::{Wanting, event_add, event_finished, event_point};
@@ -23,6 +24,7 @@ impl Store {
             "outcomes",
         )?;
         self.artifacts_exist(&completion.outcomes).await?;
+        hashes_agree(&completion.outcomes)?;
         let mut transaction = self.begin().await?;
         let lease = lease_find(&mut transaction, id).await?;
         let held = match lease {
@@ -57,6 +59,14 @@ impl Store {
         self.commit(transaction).await?;
         for (sweep, points) in wanting {
             self.inner.pace.note(sweep, points);
+            for (outcome, held) in &fresh {
+                if let Some(seconds) = whole_job(held, outcome, outcome.provenance.wall_s) {
+                    let work = held.grain_steps as f64;
+                    self.inner
+                        .pace
+                        .note_taken(sweep, &held.class, work, seconds);
+                }
+            }
         }
         let done = fresh
             .iter()
@@ -79,8 +89,7 @@ impl Store {
         job::job_done(transaction, held.id).await?;
         attempt_end(transaction, held.id, "done", None).await?;
         job::job_unblock(transaction, held.id).await?;
-        let seconds = outcome.provenance.cpu_s / f64::from(outcome.provenance.lanes.max(1));
-        if seconds > 0.0 && held.grain_steps > 0 {
+        if let Some(seconds) = whole_job(held, outcome, outcome.provenance.cpu_s) {
             speed_add(transaction, &held.class, held.grain_steps as f64 / seconds).await?;
         }
         let data = json!({"state": "done", "job": held.job});
@@ -147,6 +156,34 @@ impl Store {
             event_add(transaction, sweep, "diverged", &data, self.config().events).await?;
         }
         Ok(())
+    }
+}
+
+/// One job's share of the `seconds` of its ensemble, if they were spent on the whole of it.
+///
+/// A second attempt may have gone on from a checkpoint: its time says nothing.
+fn whole_job(held: &Held, outcome: &JobOutcome, seconds: f64) -> Option<f64> {
+    let share = seconds / f64::from(outcome.provenance.lanes.max(1));
+    (held.attempts == 1 && held.grain_steps > 0 && share > 0.0).then_some(share)
+}
+
+/// Refuses outcomes that were damaged on their way, or whose worker hashes differently.
+fn hashes_agree(outcomes: &[JobOutcome]) -> Result<(), StoreError> {
+    let mistake = |(k, outcome): (usize, &JobOutcome)| {
+        let (named, actual) = (outcome.result_hash, outcome.hash());
+        (named != actual).then(|| Mistake {
+            pointer: format!("/outcomes/{k}/result_hash"),
+            detail: format!(
+                "the outcome of {} has the hash {actual}, not {named}",
+                outcome.job
+            ),
+        })
+    };
+    let mistakes: Vec<Mistake> = outcomes.iter().enumerate().filter_map(mistake).collect();
+    if mistakes.is_empty() {
+        Ok(())
+    } else {
+        Err(StoreError::ResultMismatch(mistakes))
     }
 }
 

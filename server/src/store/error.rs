@@ -25,7 +25,7 @@ pub enum StoreError {
         /// Why.
         source: serde_json::Error,
     },
-    /// The database was made by a later release.
+    /// The database was made by another release.
     #[error(
         "the database has schema {found}, and this release knows {known}: use the release that made it"
     )]
@@ -55,6 +55,9 @@ pub enum StoreError {
     /// An idempotency key was used for another sweep.
     #[error("the Idempotency-Key was used for another sweep")]
     KeyReused,
+    /// Outcomes do not have the hashes that they were reported with; nothing was recorded.
+    #[error("{} outcomes do not have their hashes", .0.len())]
+    ResultMismatch(Vec<Mistake>),
     /// The bytes do not have the hash that they were sent under.
     #[error("the bytes have the hash {actual}, not {named}")]
     HashMismatch {

@@ -1,19 +1,16 @@
 //! Intake: a plan becomes a sweep, its jobs and its table, in one transaction.
-//!
-//! Rows go in by the thousand, as one JSON array per statement, so that the statements stay constant.
 
 use granary_api::id::SweepId;
 use granary_api::sweep::{JobCounts, Submitted};
-use granary_core::PHYSICS_VERSION;
-use granary_core::identity::canonical_json;
 use serde_json::json;
 
+use super::chunk::Rows;
 use super::speed::speed_predict;
 use super::{Store, StoreError, Writing, job, now_ms, signed};
 use crate::sweep::Plan;
-use crate::sweep::expansion::{Chunk, Expansion, NewEnsemble, NewJob, NewPoint};
+use crate::sweep::expansion::Expansion;
 
-/// Rows per statement.
+/// Jobs expanded and inserted at a time.
 const CHUNK: usize = 1000;
 
 /// How a sweep is submitted.
@@ -126,20 +123,19 @@ async fn insert(
     identity: &[u8; 32],
 ) -> Result<(i64, uuid::Uuid, u64), StoreError> {
     const FINISH: &str = "
-        update sweep set warnings = $2, points = (select count(*) from point where sweep = $1) where id = $1";
+        update sweep set warnings = $2, points = (select sum(points) from want where sweep = $1) where id = $1";
     let id = SweepId::new();
     let sweep = sweep_add(transaction, plan, id, identity).await?;
     let mut expansion = Expansion::new(plan);
-    let mut new = 0;
+    let mut rows = Rows::begin(transaction, sweep).await?;
     while let Some(chunk) = expansion.next_chunk(CHUNK) {
-        new += insert_chunk(transaction, sweep, &chunk).await?;
+        rows.insert(transaction, &chunk).await?;
     }
-    want_all(transaction, sweep, plan.needs_zero()).await?;
     job::job_revive(transaction, sweep).await?;
     let warnings = json!(expansion.into_warnings()).to_string();
     let finish = sqlx::query(FINISH).bind(sweep).bind(warnings);
     finish.execute(&mut **transaction).await?;
-    Ok((sweep, id.0, new))
+    Ok((sweep, id.0, rows.new))
 }
 
 async fn sweep_add(
@@ -167,123 +163,19 @@ async fn sweep_add(
     Ok(added.last_insert_rowid())
 }
 
-/// Inserts what is new of a chunk; how many jobs that were.
-async fn insert_chunk(
-    transaction: &mut Writing,
-    sweep: i64,
-    chunk: &Chunk,
-) -> Result<u64, StoreError> {
-    const ENSEMBLES: &str = "
-        insert into ensemble (key, kind, class, lanes, steps, grain_steps, bytes, physics)
-        select unhex(value ->> 0), value ->> 1, value ->> 2, value ->> 3, value ->> 4, value ->> 5, value ->> 6, $2
-          from json_each($1) where true on conflict (key) do nothing";
-    const JOBS: &str = "
-        insert into job (hash, ensemble, needs, spec, state, failure)
-        select unhex(v.value ->> 0), (select id from ensemble where key = unhex(v.value ->> 1)), n.id, v.value ->> 3,
-               case when n.id is null or n.state = 'done' then 'ready'
-                    when n.state in ('failed', 'poisoned') then 'failed' else 'blocked' end,
-               case when n.state in ('failed', 'poisoned')
-                    then json_object('reason', 'needs', 'message', 'the stage that it starts from has failed') end
-          from json_each($1) v left join job n on n.hash = unhex(v.value ->> 2)
-         where true on conflict (hash) do nothing";
-    const POINTS: &str = "
-        insert into point (sweep, point, job, parameters)
-        select $2, value ->> 0, (select id from job where hash = unhex(value ->> 1)), value ->> 2
-          from json_each($1)";
-    let ensembles = rows(chunk.ensembles.iter().map(ensemble_row));
-    let ensembles = sqlx::query(ENSEMBLES).bind(ensembles).bind(PHYSICS_VERSION);
-    ensembles.execute(&mut **transaction).await?;
-    let mut new = 0;
-    // A statement sees the table as it was before it, so what is needed goes in first.
-    for kind in granary_core::stage::StageKind::ALL {
-        let of_kind = || chunk.jobs.iter().filter(|job| job.spec.kind() == kind);
-        if of_kind().next().is_some() {
-            let jobs = sqlx::query(JOBS).bind(rows(of_kind().map(job_row)));
-            new += jobs.execute(&mut **transaction).await?.rows_affected();
-        }
-    }
-    let points = rows(chunk.points.iter().map(point_row));
-    let points = sqlx::query(POINTS).bind(points).bind(sweep);
-    points.execute(&mut **transaction).await?;
-    Ok(new)
-}
-
-/// A JSON array of rows that are JSON arrays already.
-fn rows(rows: impl Iterator<Item = String>) -> String {
-    let rows: Vec<String> = rows.collect();
-    format!("[{}]", rows.join(","))
-}
-
-fn ensemble_row(new: &NewEnsemble) -> String {
-    let work = new.work;
-    let (steps, grain_steps, bytes) = (
-        signed(work.steps),
-        signed(work.grain_steps),
-        signed(work.bytes),
-    );
-    let (key, kind, class, lanes) = (new.key.to_hex(), new.kind, &new.class, new.lanes);
-    canonical_json(&(key, kind, class, lanes, steps, grain_steps, bytes))
-}
-
-fn job_row(new: &NewJob) -> String {
-    let needs = new.spec.needs().map(|id| id.to_hex());
-    canonical_json(&(
-        new.id.to_hex(),
-        new.ensemble.to_hex(),
-        needs,
-        canonical_json(&new.spec),
-    ))
-}
-
-fn point_row(new: &NewPoint) -> String {
-    canonical_json(&(new.point, new.job.to_hex(), &new.parameters))
-}
-
-/// Notes that the sweep wants the jobs of its points, the zero recalls beside them, and all that these need.
-async fn want_all(transaction: &mut Writing, sweep: i64, zero: bool) -> Result<(), StoreError> {
-    const POINTS: &str = "
-        insert into want (job, sweep, state, points, first_point)
-        select p.job, $1, j.state, count(*), min(p.point) from point p join job j on j.id = p.job
-         where p.sweep = $1 group by p.job";
-    const ZEROS: &str = "
-        insert into want (job, sweep, state, points)
-        select z.id, $1, z.state, 0
-          from (select distinct j.ensemble from want w join job j on j.id = w.job where w.sweep = $1) used
-          join ensemble e on e.id = used.ensemble join job z on z.hash = e.key
-         where true on conflict do nothing";
-    const NEEDS: &str = "
-        insert into want (job, sweep, state, points)
-        select distinct n.id, $1, n.state, 0
-          from want w join job j on j.id = w.job join job n on n.id = j.needs
-         where w.sweep = $1 on conflict do nothing";
-    sqlx::query(POINTS)
-        .bind(sweep)
-        .execute(&mut **transaction)
-        .await?;
-    if zero {
-        sqlx::query(ZEROS)
-            .bind(sweep)
-            .execute(&mut **transaction)
-            .await?;
-    }
-    for _ in 0..2 {
-        sqlx::query(NEEDS)
-            .bind(sweep)
-            .execute(&mut **transaction)
-            .await?;
-    }
-    Ok(())
-}
-
 async fn reply(transaction: &mut Writing, sweep: i64, new: u64) -> Result<Submitted, StoreError> {
-    const COUNTS: &str = "
-        select count(*), coalesce(sum(state = 'done'), 0),
-               coalesce(sum(points), 0), coalesce(sum(case when state = 'done' then points end), 0)
-          from want where sweep = $1";
+    const COUNTS: &str =
+        "select state = 'done', count(*), sum(points) from want where sweep = $1 group by state";
     const WARNINGS: &str = "select warnings from sweep where id = $1";
     let counts = sqlx::query_as(COUNTS).bind(sweep);
-    let (total, done, points, points_done): (i64, i64, i64, i64) =
-        counts.fetch_one(&mut **transaction).await?;
+    let counts: Vec<(bool, i64, i64)> = counts.fetch_all(&mut **transaction).await?;
+    let (mut total, mut done, mut points, mut points_done) = (0, 0, 0, 0);
+    for (is_done, jobs, of_points) in counts {
+        (total, points) = (total + jobs, points + of_points);
+        if is_done {
+            (done, points_done) = (done + jobs, points_done + of_points);
+        }
+    }
     let warnings: String = sqlx::query_scalar(WARNINGS)
         .bind(sweep)
         .fetch_one(&mut **transaction)

@@ -1,9 +1,10 @@
 //! Jobs: the only place that writes a job's state, one statement per move that `queue` allows.
 
 use granary_api::id::JobId;
-use granary_api::job::Failure;
+use granary_api::job::{Failure, JobState};
 use granary_core::identity::{ArtifactHash, StageId};
 
+use super::bulk::insert_all;
 use super::{StoreError, Writing};
 use crate::queue::{Verdict, needs_failed};
 
@@ -14,10 +15,21 @@ pub(super) struct Held {
     pub(super) kind: String,
     pub(super) class: String,
     pub(super) grain_steps: i64,
+    pub(super) attempts: i64,
     pub(super) losses: u64,
     pub(super) faults: u64,
     pub(super) checkpoint: Option<ArtifactHash>,
     pub(super) wanted: bool,
+}
+
+/// A job that is new.
+pub(super) struct NewRow {
+    pub(super) id: i64,
+    pub(super) hash: StageId,
+    pub(super) ensemble: i64,
+    pub(super) needs: Option<i64>,
+    pub(super) state: JobState,
+    pub(super) spec: String,
 }
 
 /// A hash column as the type that it holds.
@@ -36,13 +48,28 @@ pub(super) fn hash<T: std::str::FromStr<Err = granary_core::identity::HashError>
     text.parse().expect("64 hexadecimal digits are a hash")
 }
 
+/// Inserts jobs that are not known yet, each after the one it needs; one whose need has failed begins as failed.
+pub(super) async fn job_add(transaction: &mut Writing, rows: &[NewRow]) -> Result<(), StoreError> {
+    const ADD: &str = "insert into job (id, hash, ensemble, needs, state, spec, failure) ";
+    const FAILED: &str =
+        r#"{"reason":"needs","message":"the stage that it starts from has failed"}"#;
+    insert_all(transaction, (ADD, ""), rows, |row, new| {
+        let failure = (new.state == JobState::Failed).then_some(FAILED);
+        row.push_bind(new.id).push_bind(&new.hash.as_bytes()[..]);
+        row.push_bind(new.ensemble).push_bind(new.needs);
+        row.push_bind(new.state.name()).push_bind(new.spec.as_str());
+        row.push_bind(failure);
+    })
+    .await
+}
+
 /// The jobs of the lease with row `lease`.
 pub(super) async fn job_held(
     transaction: &mut Writing,
     lease: i64,
 ) -> Result<Vec<Held>, StoreError> {
     const HELD: &str = "
-        select j.id, j.hash, e.kind, e.class, e.grain_steps, j.losses, j.faults, j.checkpoint,
+        select j.id, j.hash, e.kind, e.class, e.grain_steps, j.attempts, j.losses, j.faults, j.checkpoint,
                exists (select 1 from want w join sweep s on s.id = w.sweep
                         where w.job = j.id and s.state <> 'cancelled')
           from job j join ensemble e on e.id = j.ensemble
@@ -55,6 +82,7 @@ pub(super) async fn job_held(
         i64,
         i64,
         i64,
+        i64,
         Option<Vec<u8>>,
         bool,
     );
@@ -63,16 +91,19 @@ pub(super) async fn job_held(
         .fetch_all(&mut **transaction)
         .await?;
     let held =
-        |(id, job, kind, class, grain_steps, losses, faults, checkpoint, wanted): Row| Held {
-            id,
-            job: stage_id(&job),
-            kind,
-            class,
-            grain_steps,
-            losses: losses as u64,
-            faults: faults as u64,
-            checkpoint: checkpoint.as_deref().map(hash),
-            wanted,
+        |(id, job, kind, class, grain_steps, attempts, losses, faults, checkpoint, wanted): Row| {
+            Held {
+                id,
+                job: stage_id(&job),
+                kind,
+                class,
+                grain_steps,
+                attempts,
+                losses: losses as u64,
+                faults: faults as u64,
+                checkpoint: checkpoint.as_deref().map(hash),
+                wanted,
+            }
         };
     Ok(rows.into_iter().map(held).collect())
 }
@@ -199,6 +230,30 @@ pub(super) async fn job_fail_dependants(
     Ok(failed.execute(&mut **transaction).await?.rows_affected())
 }
 
+/// Jobs moved by one statement: what could undo a failing statement is kept in memory meanwhile.
+const SPAN: i64 = 4000;
+
+/// Runs `statement`, which binds a sweep and a span of job numbers, over all jobs that `sweep` wants; the rows changed.
+async fn in_spans(
+    transaction: &mut Writing,
+    sweep: i64,
+    statement: &'static str,
+) -> Result<u64, StoreError> {
+    const ENDS: &str =
+        "select coalesce(min(job), 0), coalesce(max(job), -1) from want where sweep = $1";
+    let ends = sqlx::query_as(ENDS).bind(sweep);
+    let (first, last): (i64, i64) = ends.fetch_one(&mut **transaction).await?;
+    let mut moved = 0;
+    for from in (first..=last).step_by(SPAN as usize) {
+        let span = sqlx::query(statement)
+            .bind(sweep)
+            .bind(from)
+            .bind(from + SPAN);
+        moved += span.execute(&mut **transaction).await?.rows_affected();
+    }
+    Ok(moved)
+}
+
 /// blocked, ready → cancelled, for the jobs of `sweep` that no sweep wants.
 pub(super) async fn job_cancel_unwanted(
     transaction: &mut Writing,
@@ -206,15 +261,16 @@ pub(super) async fn job_cancel_unwanted(
 ) -> Result<u64, StoreError> {
     const CANCEL: &str = "
         update job set state = 'cancelled'
-         where id in (select job from want where sweep = $1 and state in ('blocked', 'ready'))
+         where id >= $2 and id < $3 and state in ('blocked', 'ready')
+           and exists (select 1 from want w where w.job = job.id and w.sweep = $1)
            and not exists (select 1 from want w join sweep s on s.id = w.sweep
                             where w.job = job.id and s.state <> 'cancelled')";
-    let cancelled = sqlx::query(CANCEL).bind(sweep);
-    Ok(cancelled.execute(&mut **transaction).await?.rows_affected())
+    in_spans(transaction, sweep, CANCEL).await
 }
 
 /// cancelled → ready, blocked or failed, for the jobs that `sweep` wants again.
 pub(super) async fn job_revive(transaction: &mut Writing, sweep: i64) -> Result<u64, StoreError> {
+    const ANY: &str = "select exists (select 1 from want where sweep = $1 and state = 'cancelled')";
     const REVIVE: &str = "
         update job
            set state = case when needs is null then 'ready'
@@ -224,9 +280,13 @@ pub(super) async fn job_revive(transaction: &mut Writing, sweep: i64) -> Result<
                failure = case when (select n.state from job n where n.id = job.needs) in ('failed', 'poisoned')
                               then json_object('reason', 'needs', 'message', 'the stage that it starts from has failed')
                               end
-         where state = 'cancelled' and id in (select job from want where sweep = $1 and state = 'cancelled')";
-    let revived = sqlx::query(REVIVE).bind(sweep);
-    Ok(revived.execute(&mut **transaction).await?.rows_affected())
+         where id >= $2 and id < $3 and state = 'cancelled'
+           and exists (select 1 from want w where w.job = job.id and w.sweep = $1)";
+    let any = sqlx::query_scalar(ANY).bind(sweep);
+    if !any.fetch_one(&mut **transaction).await? {
+        return Ok(0);
+    }
+    in_spans(transaction, sweep, REVIVE).await
 }
 
 /// poisoned, failed by the machine → ready, for the jobs of `sweep`; and failed → blocked for all that need such jobs.

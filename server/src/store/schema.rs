@@ -11,10 +11,7 @@ const MIGRATIONS: [&str; 1] = [include_str!(
 
 /// Brings the database to the newest schema; refuses one that is newer still.
 pub(super) async fn migrate(writer: &SqlitePool) -> Result<(), StoreError> {
-    let known = super::signed(MIGRATIONS.len() as u64);
-    let found: i64 = sqlx::query_scalar("pragma user_version")
-        .fetch_one(writer)
-        .await?;
+    let (found, known) = versions(writer).await?;
     if found > known {
         return Err(StoreError::Schema { found, known });
     }
@@ -26,4 +23,19 @@ pub(super) async fn migrate(writer: &SqlitePool) -> Result<(), StoreError> {
         transaction.commit().await?;
     }
     Ok(())
+}
+
+/// Refuses a database whose schema is not ours, and changes nothing: another process has it open.
+pub(super) async fn check(database: &SqlitePool) -> Result<(), StoreError> {
+    match versions(database).await? {
+        (found, known) if found == known => Ok(()),
+        (found, known) => Err(StoreError::Schema { found, known }),
+    }
+}
+
+/// The schema of the file, and ours.
+async fn versions(database: &SqlitePool) -> Result<(i64, i64), StoreError> {
+    const FOUND: &str = "pragma user_version";
+    let found = sqlx::query_scalar(FOUND).fetch_one(database).await?;
+    Ok((found, super::signed(MIGRATIONS.len() as u64)))
 }

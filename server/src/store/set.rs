@@ -45,7 +45,7 @@ impl DotsCache {
     }
 }
 
-/// A point's recall: number, parameters, job, state, ensemble, signal, spec.
+/// A point's recall: number, parameters, job, state, ensemble, signal, spec (of no use, and empty, before there is a signal).
 type Row = (i64, String, i64, String, i64, Option<String>, String);
 
 /// The zero recall of an ensemble.
@@ -126,7 +126,8 @@ impl Store {
         processing: &[Processing],
     ) -> Result<Vec<SetRow>, StoreError> {
         const ROWS: &str = "
-            select p.point, p.parameters, j.id, j.state, j.ensemble, o.artifacts ->> 'signal', j.spec
+            select p.point, p.parameters, j.id, j.state, j.ensemble, o.artifacts ->> 'signal',
+                   case when o.artifacts is not null then j.spec else '' end
               from point p join job j on j.id = p.job left join outcome o on o.job = j.id
              where p.sweep = $1 and p.point > $2 order by p.point limit $3";
         let mut zeros = self.zeros(plan).await?;

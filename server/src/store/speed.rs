@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use granary_api::sweep::Prediction;
 use sqlx::SqliteExecutor;
 
+use super::pace::Taken;
 use super::{StoreError, Writing};
 
 /// Speeds remembered per class.
@@ -58,22 +59,33 @@ async fn medians<'e>(
         .collect())
 }
 
+/// The open jobs of one class: how many, their grain-steps still to do, and the memory of the largest ensemble.
+type Open = (String, i64, f64, i64);
+
+async fn open_jobs(
+    connection: &mut sqlx::SqliteConnection,
+    sweep: i64,
+) -> Result<Vec<Open>, StoreError> {
+    // Jobs are gathered by ensemble first: sorting numbers is what makes this quick for a large sweep.
+    const OPEN: &str = "
+        select e.class, sum(u.jobs), total(e.grain_steps * u.undone), max(e.bytes)
+          from (select j.ensemble as ensemble, count(*) as jobs,
+                       total(1.0 - case when j.steps > 0 then min(1.0, 1.0 * j.step / j.steps) else 0.0 end) as undone
+                  from want w join job j on j.id = w.job
+                 where w.sweep = $1 and w.state in ('blocked', 'ready', 'leased', 'cancelled')
+                 group by j.ensemble) u
+          join ensemble e on e.id = u.ensemble
+         group by e.class";
+    let open = sqlx::query_as(OPEN).bind(sweep);
+    Ok(open.fetch_all(connection).await?)
+}
+
 /// What the jobs of `sweep` that are still open will take.
 pub(super) async fn speed_predict(
     connection: &mut sqlx::SqliteConnection,
     sweep: i64,
 ) -> Result<Prediction, StoreError> {
-    const OPEN: &str = "
-        select e.class, count(*),
-               total(e.grain_steps * (1.0 - case when j.steps > 0 then min(1.0, 1.0 * j.step / j.steps) else 0.0 end)),
-               max(e.bytes)
-          from want w join job j on j.id = w.job join ensemble e on e.id = j.ensemble
-         where w.sweep = $1 and w.state in ('blocked', 'ready', 'leased', 'cancelled')
-         group by e.class";
-    let rows: Vec<(String, i64, f64, i64)> = sqlx::query_as(OPEN)
-        .bind(sweep)
-        .fetch_all(&mut *connection)
-        .await?;
+    let rows = open_jobs(connection, sweep).await?;
     let speeds = medians(&mut *connection).await?;
     let (mut core_seconds, mut memory, mut storage, mut measured) = (0.0, 0, 0, 0);
     for (class, count, grain_steps, bytes) in &rows {
@@ -94,6 +106,38 @@ pub(super) async fn speed_predict(
         storage_bytes: storage,
         basis: basis.to_owned(),
     })
+}
+
+/// Seconds of one thread that the open jobs of `sweep` will take at the rate at which its latest jobs went.
+///
+/// A class of which the sweep has finished nothing yet is expected at its predicted speed, times what the other
+/// classes took over what was predicted for them.
+pub(super) async fn speed_remaining(
+    connection: &mut sqlx::SqliteConnection,
+    sweep: i64,
+    taken: &BTreeMap<String, Taken>,
+) -> Result<f64, StoreError> {
+    let rows = open_jobs(connection, sweep).await?;
+    let medians = medians(&mut *connection).await?;
+    let predicted = |class: &str| {
+        let median = medians.get(class).copied();
+        median.unwrap_or_else(|| default_speed(class))
+    };
+    let (mut actual, mut expected) = (0.0, 0.0);
+    for (class, taken) in taken {
+        actual += taken.seconds;
+        expected += taken.grain_steps / predicted(class);
+    }
+    let slowness = if expected > 0.0 {
+        actual / expected
+    } else {
+        1.0
+    };
+    let seconds = |(class, _, grain_steps, _): &Open| match taken.get(class) {
+        Some(taken) => grain_steps * taken.seconds / taken.grain_steps,
+        None => grain_steps / predicted(class) * slowness,
+    };
+    Ok(rows.iter().map(seconds).sum())
 }
 
 /// Files that one job leaves: a state is about as large as the memory of a lone run, a recall leaves curves.

@@ -6,7 +6,7 @@ use granary_api::table::Page;
 use serde_json::{Value, json};
 
 use super::event::event_add;
-use super::speed::speed_predict;
+use super::speed::speed_remaining;
 use super::{Store, StoreError, Writing, job, rfc3339};
 use crate::sweep::reduction::Reduction;
 
@@ -115,7 +115,8 @@ impl Store {
         let state = shown_state(&state, open);
         let eta_s = if state == SweepState::Active && running > 0 {
             let mut reader = self.readers().acquire().await?;
-            Some(speed_predict(&mut reader, id).await?.core_seconds / running as f64)
+            let taken = self.inner.pace.taken(id);
+            Some(speed_remaining(&mut reader, id, &taken).await? / running as f64)
         } else {
             None
         };

@@ -182,24 +182,26 @@ impl<'a> Expansion<'a> {
             waveform: Waveform::Zero,
             ..point.clone()
         });
+        let named = "a train names its pack, a recall its train";
+        let (pack_id, train_id) = (train.needs().expect(named), zero.needs().expect(named));
+        // Each of the three is the key of its own ensemble, so no hash is made twice.
+        let ids = [pack_id, train_id, zero.id()];
         let shape = point.pack();
-        let train_id = train.id();
-        let ensemble = zero.ensemble_key();
-        for spec in [&pack, &train, &zero] {
-            chunk.ensembles.push(new_ensemble(spec, &shape));
-        }
         let helpers = if self.needs_zero { 3 } else { 2 };
-        for spec in [pack, train, zero].into_iter().take(helpers) {
-            chunk.jobs.push(NewJob {
-                id: spec.id(),
-                ensemble: spec.ensemble_key(),
-                spec,
-            });
+        for (k, (id, spec)) in ids.into_iter().zip([pack, train, zero]).enumerate() {
+            chunk.ensembles.push(new_ensemble(id, &spec, &shape));
+            if k < helpers {
+                chunk.jobs.push(NewJob {
+                    id,
+                    spec,
+                    ensemble: id,
+                });
+            }
         }
         Trunk {
             point,
             train: train_id,
-            ensemble,
+            ensemble: ids[2],
         }
     }
 
@@ -290,7 +292,7 @@ fn fragment(name: &str, value: &Value) -> String {
     format!("\"{name}\":{}", canonical_json(value))
 }
 
-fn new_ensemble(spec: &StageSpec, pack: &PackSpec) -> NewEnsemble {
+fn new_ensemble(key: StageId, spec: &StageSpec, pack: &PackSpec) -> NewEnsemble {
     let shape = match pack.shape {
         ShapeName::Sphere => "sphere",
         ShapeName::Tetrahedron => "tetrahedron",
@@ -301,7 +303,7 @@ fn new_ensemble(spec: &StageSpec, pack: &PackSpec) -> NewEnsemble {
     };
     let kind = spec.kind().name();
     NewEnsemble {
-        key: spec.ensemble_key(),
+        key,
         kind,
         class: format!("{kind}/{shape}/{precision}"),
         lanes: spec.max_lanes(),

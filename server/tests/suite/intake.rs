@@ -35,6 +35,41 @@ async fn hundred_thousand_points_are_taken_in_and_the_table_shows_them_all() {
 }
 
 #[tokio::test]
+async fn points_that_share_a_job_are_counted_with_it_wherever_they_stand() {
+    let fresh = fresh().await;
+    // An overlap means nothing to spheres, so three trunks of a thousand points come down to one.
+    let spec = |name: &str, overlaps: &[f64]| {
+        json!({
+            "name": name, "model": "memory", "fixed": {"grains": 10, "shape": "sphere"},
+            "grid": [{"overlap": overlaps, "waveform": {"suite": "binary_words", "bits": 10}}],
+        })
+    };
+    let submitted = fresh.submit(&spec("three", &[0.2, 0.4, 0.6])).await;
+    // A pack, a train and a zero.
+    let jobs = 1024 + 3;
+    assert_eq!((submitted.points, submitted.jobs.total), (3072, jobs));
+    assert_eq!(submitted.jobs.new, jobs);
+    for _ in 0..2 {
+        let grant = fresh.take().await.expect("the pack, then the train");
+        fresh.complete(grant.lease, &grant.jobs).await;
+    }
+    let recalls = fresh.take().await.expect("recalls");
+    fresh.complete(recalls.lease, &recalls.jobs).await;
+    let sweep = sweep_of(&submitted);
+    let zero = recalls
+        .jobs
+        .iter()
+        .any(|job| job.spec.ensemble_key() == job.job);
+    let points = 3 * (recalls.jobs.len() as u64 - u64::from(zero));
+    let done = fresh.store.sweep_read(sweep).await.expect("the sweep");
+    assert_eq!((done.points.done, done.points.total), (points, 3072));
+    let more = fresh.submit(&spec("two", &[0.6, 0.8])).await;
+    assert_eq!((more.points, more.jobs.new), (2048, 0));
+    assert_eq!(more.points_done, points / 3 * 2);
+    assert_eq!(more.jobs.done, 2 + recalls.jobs.len() as u64);
+}
+
+#[tokio::test]
 async fn sweep_beyond_the_configured_size_is_refused_with_its_count() {
     let fresh = fresh_with(|config| config.sweep.points = 10).await;
     let spec = json!({"model": "memory", "grid": [{"packing_seed": {"range": [1, 11]}}]});

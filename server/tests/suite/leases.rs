@@ -173,6 +173,35 @@ async fn outcome_without_its_artifact_is_refused() {
 }
 
 #[tokio::test]
+async fn outcome_that_is_not_the_one_that_was_hashed_is_refused() {
+    let fresh = fresh().await;
+    fresh.submit(&single("six/1")).await;
+    let grant = fresh.take().await.expect("the pack");
+    let good = fresh.outcomes(&grant.jobs).await;
+    let path = format!("/api/v1/leases/{}/complete", grant.lease);
+    let mut other = good.clone();
+    let results = &mut other.outcomes[0].results;
+    results.insert(
+        "encode_correlation".to_owned(),
+        Some(0.900_000_000_000_000_1),
+    );
+    let mut steps = good.clone();
+    steps.outcomes[0].provenance.steps += 1;
+    let mut warned = good.clone();
+    warned.outcomes[0].warnings.push("all is well".to_owned());
+    for damaged in [other, steps, warned] {
+        let answer = fresh.post(&path, &json!(damaged)).await;
+        assert_eq!(answer.status, 422, "{}", answer.text());
+        let problem = answer.json();
+        assert_eq!(problem["type"], "/problems/result-mismatch");
+        assert_eq!(problem["errors"][0]["pointer"], "/outcomes/0/result_hash");
+    }
+    let job = fresh.store.job_read(&grant.jobs[0].job).await;
+    assert_eq!(job.expect("a job").state, JobState::Leased);
+    assert_eq!(fresh.post(&path, &json!(good)).await.status, 204);
+}
+
+#[tokio::test]
 async fn silent_worker_loses_its_jobs_after_a_full_term_and_a_beating_one_keeps_them() {
     let fresh = fresh().await;
     fresh.submit(&spec()).await;

@@ -8,6 +8,7 @@ mod events;
 mod gate;
 mod intake;
 mod leases;
+mod refusals;
 mod results;
 mod routes;
 mod spec;

@@ -1,6 +1,7 @@
 //! Results: points and sets, in the shapes that scripts rely on.
 
 use granary_api::id::SweepId;
+use granary_api::lease::LeaseGrant;
 use serde_json::{Value, json};
 
 use crate::harness::{Fresh, GAIN_E_DELTA0, fresh, spec, sweep_of};
@@ -298,4 +299,50 @@ async fn running_point_shows_progress_and_its_workers_last_word() {
     let summary = fresh.store.sweep_read(sweep).await.expect("the sweep");
     assert_eq!(summary.points.running, 1);
     assert!(summary.eta_s.expect("running") > 0.0);
+}
+
+/// Completes a lease whose ensemble took `wall_s` of its thread, though only a second of the processor.
+async fn complete_in(fresh: &Fresh, grant: &LeaseGrant, wall_s: f64) {
+    let mut completion = fresh.outcomes(&grant.jobs).await;
+    for outcome in &mut completion.outcomes {
+        outcome.provenance.wall_s = wall_s;
+        outcome.provenance.lanes = grant.jobs.len() as u32;
+    }
+    let done = fresh.store.lease_complete(grant.lease, &completion).await;
+    done.expect("the lease is ours");
+}
+
+#[tokio::test]
+async fn time_left_follows_what_the_finished_jobs_took() {
+    let fresh = fresh().await;
+    let submitted = fresh.submit(&spec()).await;
+    let eta = async || {
+        let sweep = fresh.store.sweep_read(sweep_of(&submitted)).await;
+        sweep.expect("the sweep").eta_s.expect("something runs")
+    };
+    let about = |x: f64, y: f64| (x / y - 1.0).abs() < 1e-9;
+    // Two packs: seven times their predicted second, so everything else is expected to be as slow.
+    let packs = [fresh.take().await, fresh.take().await].map(|grant| grant.expect("a pack"));
+    for pack in &packs {
+        complete_in(&fresh, pack, 7.0).await;
+    }
+    let train = fresh.take().await.expect("a train");
+    let predicted = fresh.submit(&spec()).await.predicted.core_seconds;
+    assert!(about(eta().await, 7.0 * predicted));
+    complete_in(&fresh, &train, 7.0).await;
+    let mut recalls = vec![];
+    while let Some(grant) = fresh.take().await {
+        match grant.jobs.len() {
+            1 => complete_in(&fresh, &grant, 7.0).await,
+            _ => recalls.push(grant),
+        }
+    }
+    // Four ensembles of four; the first took 100 s for each of its jobs, and three threads share the other twelve.
+    assert_eq!(recalls.len(), 4);
+    complete_in(&fresh, &recalls[0], 400.0).await;
+    assert!(about(eta().await, 12.0 * 100.0 / 3.0));
+    // The rate is that of the latest jobs, not of the first.
+    complete_in(&fresh, &recalls[1], 4.0).await;
+    let left = eta().await;
+    assert!((8.0 / 2.0..8.0 * 100.0 / 2.0).contains(&left), "{left}");
 }

@@ -1,10 +1,8 @@
-//! Specs: what is refused, with every mistake at once; and what the accepted forms mean.
+//! Specs: what the accepted forms mean.
 
 use granary_server::sweep::expansion::Expansion;
 use granary_server::sweep::{Limits, Plan};
 use serde_json::{Value, json};
-
-use crate::harness::fresh;
 
 /// A sweep that is right but for what `wrong` puts over it.
 fn with(wrong: &Value) -> Value {
@@ -12,73 +10,6 @@ fn with(wrong: &Value) -> Value {
     let table = spec.as_object_mut().expect("a table");
     table.extend(wrong.as_object().expect("a table").clone());
     spec
-}
-
-/// Bad input and why it is bad; the answers are in the snapshot.
-fn bad_specs() -> serde_json::Map<String, Value> {
-    serde_json::from_str(include_str!("bad_specs.json")).expect("a table of specs")
-}
-
-#[tokio::test]
-async fn bad_specs_are_refused_with_every_mistake_and_nothing_is_queued() {
-    let fresh = fresh().await;
-    let bad = bad_specs();
-    assert!(bad.len() >= 30);
-    let mut answers = serde_json::Map::new();
-    for (why, spec) in bad {
-        let answer = fresh.post("/api/v1/sweeps", &spec).await;
-        assert_eq!(answer.status, 422, "{why}: {}", answer.text());
-        assert_eq!(answer.headers["content-type"], "application/problem+json");
-        let problem = answer.json();
-        let errors = problem["errors"].as_array().expect("a list");
-        let lines = errors.iter().map(|e| json!([e["pointer"], e["detail"]]));
-        answers.insert(why, lines.collect());
-    }
-    insta::assert_json_snapshot!("bad_specs", answers);
-    assert_eq!(fresh.get("/api/v1/sweeps").await.json()["total"], 0);
-}
-
-#[tokio::test]
-async fn bodies_that_are_no_json_are_refused_in_bounded_memory() {
-    let fresh = fresh().await;
-    let deep = "[".repeat(100_000) + &"]".repeat(100_000);
-    let deep_table = "{\"a\":".repeat(100_000) + "1" + &"}".repeat(100_000);
-    let bodies = [
-        ("", 400),
-        ("{", 400),
-        ("model = \"memory\"", 400),
-        (deep.as_str(), 400),
-        (deep_table.as_str(), 400),
-        (r#"{"model": "memory", "fixed": {"delta0": NaN}}"#, 400),
-        (r#"{"model": "memory", "fixed": {"delta0": 1e999}}"#, 400),
-        (
-            r#"{"model": "memory", "fixed": {"delta0": -Infinity}}"#,
-            400,
-        ),
-        (r#"{"model": "memory"} trailing"#, 400),
-        ("\u{fffd}", 400),
-        (r#"{"model": "memory", "model": "memory"}"#, 422),
-    ];
-    for (body, status) in bodies {
-        let request = crate::harness::request(axum::http::Method::POST, "/api/v1/sweeps")
-            .header("content-type", "application/json")
-            .body(axum::body::Body::from(body.to_owned()))
-            .expect("a request");
-        let answer = fresh.send(request).await;
-        let start: String = body.chars().take(40).collect();
-        assert_eq!(answer.status, status, "{start}");
-        assert_eq!(answer.headers["content-type"], "application/problem+json");
-    }
-}
-
-#[tokio::test]
-async fn body_over_the_limit_is_413() {
-    let fresh = crate::harness::fresh_with(|config| config.body_bytes = 1000).await;
-    let answer = fresh
-        .post("/api/v1/sweeps", &json!({"name": "x".repeat(2000)}))
-        .await;
-    assert_eq!(answer.status, 413);
-    assert_eq!(answer.json()["type"], "/problems/too-large");
 }
 
 fn plan(spec: &Value) -> Plan {

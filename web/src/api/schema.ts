@@ -96,7 +96,10 @@ export interface paths {
         };
         get?: never;
         put?: never;
-        /** Records the outcomes of leased jobs, all or none; 409 `lease_lost` if the lease of one is another. */
+        /**
+         * Records the outcomes of leased jobs, all or none; 409 `lease_lost` if the lease of one is another.
+         * @description 422 `result-mismatch` if an outcome does not have its `result_hash`: the server computes it again.
+         */
         post: operations["complete_lease"];
         delete?: never;
         options?: never;
@@ -537,7 +540,7 @@ export interface components {
             job: string;
             /** @description Where and how it was computed. */
             provenance: components["schemas"]["Provenance"];
-            /** @description The hash of the above, as [`granary_core::stage::Outcome::hash`] makes it. */
+            /** @description The hash of results, artifacts, warnings and steps, as [`granary_core::stage::Outcome::hash`] makes it. */
             result_hash: string;
             /** @description Scalars by name. */
             results: {
@@ -725,7 +728,11 @@ export interface components {
         Page_SetRow: {
             /** @description The rows. */
             items: {
-                /** @description Why a number is `null`. */
+                /**
+                 * @description Why a number is `null`; once nothing is still to come, also why `n` is less than `of`.
+                 *
+                 *     While `provisional`, it speaks of the members that count so far, never of those to come.
+                 */
                 missing_reason?: string | null;
                 /**
                  * Format: int64
@@ -773,7 +780,7 @@ export interface components {
                 created_at: string;
                 /**
                  * Format: double
-                 * @description Seconds to the end, at the present number of workers.
+                 * @description Seconds to the end, at the rate of the jobs that were finished last and the present number of busy engine threads.
                  */
                 eta_s?: number | null;
                 /** @description The experiment. */
@@ -1014,7 +1021,11 @@ export interface components {
         };
         /** @description One row of a reduction: points, or other sets, taken together. */
         SetRow: {
-            /** @description Why a number is `null`. */
+            /**
+             * @description Why a number is `null`; once nothing is still to come, also why `n` is less than `of`.
+             *
+             *     While `provisional`, it speaks of the members that count so far, never of those to come.
+             */
             missing_reason?: string | null;
             /**
              * Format: int64
@@ -1088,7 +1099,7 @@ export interface components {
             created_at: string;
             /**
              * Format: double
-             * @description Seconds to the end, at the present number of workers.
+             * @description Seconds to the end, at the rate of the jobs that were finished last and the present number of busy engine threads.
              */
             eta_s?: number | null;
             /** @description The experiment. */

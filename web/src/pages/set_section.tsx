@@ -75,8 +75,7 @@ function Table({ rows, model }: { rows: SetRow[]; model: Model | undefined }) {
               <td class="number">{count(row.n)} of {count(row.of)}</td>
               <td class="remark">
                 {row.provisional && <span class="state running">provisional</span>}
-                {/* Of a half-done row the reason tells of the members to come only. */}
-                {(!row.provisional || row.n === 0) && ` ${row.missing_reason ?? ""}`}
+                {` ${row.missing_reason ?? ""}`}
               </td>
             </tr>
           ))}
