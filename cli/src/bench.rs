@@ -47,6 +47,9 @@ pub(crate) struct Args {
     /// Time step \[t_c\].
     #[arg(long, default_value_t = 0.1)]
     time_step: f64,
+    /// How far beyond touching the list of candidates reaches \[R\]; the peers' benches use the default
+    #[arg(long, default_value_t = 0.05)]
+    skin: f64,
     /// Time the clock runs \[s\].
     #[arg(long, default_value_t = 2.0)]
     seconds: f64,
@@ -91,7 +94,7 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<Done> {
             Numbers::F64 => Precision::F64,
         },
         time_step: args.time_step,
-        skin: 0.1,
+        skin: args.skin,
         width: width(args.width.as_deref())?,
     };
     let limit = Duration::try_from_secs_f64(args.seconds).context("--seconds is no duration")?;
@@ -263,6 +266,7 @@ fn figures(timed: &[Timed], settings: &Settings, pack: &PackFile) -> Value {
         "pack": pack.kind,
         "precision": settings.precision,
         "vectors": settings.width.name(),
+        "skin": settings.skin,
         "time_step": settings.time_step,
     })
 }
