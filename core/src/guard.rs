@@ -5,6 +5,7 @@
 use crate::lanes::Scalar;
 use crate::math::Vec3;
 use crate::observable::Observation;
+use crate::observable::critical_time_step::CriticalTimeStep;
 use crate::scene::{Physics, Replicas, Scene};
 
 /// Overlap beyond which two spheres are no longer the ones that Hertz's law describes \[R\].
@@ -27,7 +28,8 @@ pub struct Stop {
 impl Stop {
     /// The time step is above the critical one.
     #[must_use]
-    pub fn unstable(time_step: f64, critical: f64) -> Self {
+    pub fn unstable(time_step: f64, critical: CriticalTimeStep) -> Self {
+        let critical = critical.at_least;
         Self {
             kind: "unstable",
             detail: format!(
@@ -41,8 +43,8 @@ impl Stop {
 /// What the guard of one replica has seen.
 #[derive(Clone, Copy, Debug)]
 pub struct Guard {
-    /// The critical time step when the stage began \[t_c\].
-    pub critical_at_start: f64,
+    /// The critical time step when the stage began.
+    pub critical_at_start: CriticalTimeStep,
 }
 
 impl Guard {
@@ -54,7 +56,7 @@ impl Guard {
         alternation: Option<f64>,
     ) -> Result<(), Stop> {
         // Compression stiffens contacts by less than 2 (√(0.06/0.02) of the overlaps, MEMORY §2), so by 1.4 in time.
-        let suspicious = time_step > self.critical_at_start / 1.4;
+        let suspicious = time_step > self.critical_at_start.at_least / 1.4;
         if !seen.is_finite() {
             return Err(self.blame(
                 time_step,
@@ -87,7 +89,7 @@ impl Guard {
                 ),
                 remedy: format!(
                     "use a time_step of at most {:.2}",
-                    0.85 * self.critical_at_start.min(time_step)
+                    0.85 * self.critical_at_start.at_least.min(time_step)
                 ),
             });
         }
@@ -98,7 +100,7 @@ impl Guard {
         if suspicious {
             let remedy = format!(
                 "use a time_step of at most {:.2}",
-                0.85 * self.critical_at_start / 1.4
+                0.85 * self.critical_at_start.at_least / 1.4
             );
             return Stop {
                 kind: "unstable",

@@ -1,6 +1,7 @@
 //! Observables: what is measured in a scene; they borrow it and change nothing.
 
 pub mod critical_time_step;
+mod lanczos;
 
 use serde::{Deserialize, Serialize};
 

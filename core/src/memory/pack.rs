@@ -16,7 +16,7 @@ use crate::guard::{Guard, Stop};
 use crate::lanes::{F64x1, VectorWidth};
 use crate::material::Material;
 use crate::math::plain;
-use crate::observable::critical_time_step::{Across, critical_time_step};
+use crate::observable::critical_time_step::{Across, CriticalTimeStep, critical_time_step};
 use crate::observable::{Observation, observe};
 use crate::outcome::{Outcome, STATE, StageFailure};
 use crate::protocol::{Box2, Servo};
@@ -58,7 +58,7 @@ struct Header {
     servo: Servo,
     servo_steps: u64,
     walls: [f64; WALLS],
-    critical_at_start: f64,
+    critical_at_start: CriticalTimeStep,
     track: Track,
 }
 
@@ -217,7 +217,7 @@ impl<S: Shape> Preparation<'_, S> {
         progress.ask(self.step(), &|| vec![self.checkpoint()])?;
         let seen = observe(&self.scene)[0];
         let guard = Guard {
-            critical_at_start: f64::MAX,
+            critical_at_start: CriticalTimeStep::NONE,
         };
         match guard.judge(self.scene.laws.time_step, &seen, None) {
             Ok(()) => Ok(Some(seen)),
@@ -230,8 +230,8 @@ impl<S: Shape> Preparation<'_, S> {
         let time_step = self.scene.laws.time_step;
         let critical = critical_time_step(&self.scene, 0, Across::default());
         // A time step as long as the slowest vibration of a lightly pressed contact cannot be stable either.
-        if time_step >= critical || time_step > 2.5 {
-            Stop::unstable(time_step, critical.min(2.5))
+        if time_step >= critical.at_least {
+            Stop::unstable(time_step, critical)
         } else {
             stop
         }
@@ -277,7 +277,7 @@ impl<S: Shape> Preparation<'_, S> {
         let scene = lone_scene(laws, poses, &motions, walls);
         let critical = critical_time_step(&scene, 0, Across::default());
         let time_step = scene.laws.time_step;
-        if time_step >= critical {
+        if time_step >= critical.at_least {
             return Err(run::stopped(
                 self.step(),
                 Stop::unstable(time_step, critical),
@@ -295,7 +295,7 @@ impl<S: Shape> Preparation<'_, S> {
             servo: self.servo,
             servo_steps: self.servo_steps,
             walls: std::array::from_fn(|w| self.scene.walls.position(w, 0)),
-            critical_at_start: f64::MAX,
+            critical_at_start: CriticalTimeStep::NONE,
             track: Track::default(),
         };
         run::checkpoint_of(&self.scene, 0, header).to_bytes()
@@ -307,7 +307,7 @@ fn cycling<S: Shape>(
     spec: &PackSpec,
     mut scene: Scene<F64x1, Smooth<S>>,
     walls: [f64; WALLS],
-    critical: f64,
+    critical: CriticalTimeStep,
 ) -> Drive<F64x1, Smooth<S>> {
     let steps = ramp_steps(spec.preparation_ramp, spec.preparation_time_step);
     scene.laws.time_step = spec.preparation_ramp / steps as f64;
@@ -370,10 +370,7 @@ fn cycles<S: Shape>(
     let steps = before + last;
     let mut results = run::observed(&seen, "");
     results.insert("servo_steps".to_owned(), Some(servo_steps as f64));
-    results.insert(
-        "critical_time_step".to_owned(),
-        run::measured(drive.tracks[0].critical_time_step),
-    );
+    results.extend(run::measured(drive.tracks[0].critical_time_step));
     for (name, axis) in [("extent_x", 0), ("extent_y", 1), ("extent_z", 2)] {
         results.insert(
             name.to_owned(),

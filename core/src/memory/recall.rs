@@ -15,7 +15,7 @@ use super::{hold_steps, ramp_steps};
 use crate::grains::Grains;
 use crate::guard::Stop;
 use crate::identity::canonical_json;
-use crate::observable::critical_time_step::critical_time_step;
+use crate::observable::critical_time_step::{CriticalTimeStep, critical_time_step};
 use crate::outcome::{HISTORY, Outcome, SIGNAL, StageFailure};
 use crate::scene::{Physics, Replicas, Scene};
 use crate::wall::Walls;
@@ -32,7 +32,7 @@ const SECOND_DECODE: usize = 3;
 struct Header {
     stage: String,
     step: u64,
-    critical_at_start: f64,
+    critical_at_start: CriticalTimeStep,
     track: Track,
     stop: Option<(u64, String, String, String)>,
 }
@@ -134,7 +134,7 @@ fn begun<R: Replicas, P: Physics>(
     }
     // Every replica starts alike, in the reference itself, so one measurement holds for all.
     let critical = critical_time_step(&scene, 0, chosen.across);
-    if time_step >= critical {
+    if time_step >= critical.at_least {
         return Err(run::stopped(0, Stop::unstable(time_step, critical)));
     }
     Ok(Drive::new(
@@ -226,10 +226,7 @@ fn outcome<R: Replicas, P: Physics>(
         .map(|sample| sample.seen.kinetic_energy);
     results.insert("hold_kinetic_energy".to_owned(), held);
     results.insert("largest_overlap".to_owned(), Some(track.largest_overlap));
-    results.insert(
-        "critical_time_step".to_owned(),
-        run::measured(track.critical_time_step),
-    );
+    results.extend(run::measured(track.critical_time_step));
     results.insert("time_step".to_owned(), Some(drive.scene.laws.time_step));
     if let (Some(first), Some(last)) = (series[ENCODE].first(), series[ENCODE].last()) {
         results.extend(run::observed(&first.seen, ""));

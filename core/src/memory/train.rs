@@ -13,7 +13,7 @@ use super::state::{Checkpoint, PackState, Past};
 use crate::grains::Grains;
 use crate::guard::Stop;
 use crate::lanes::{F64x1, VectorWidth};
-use crate::observable::critical_time_step::{Across, critical_time_step};
+use crate::observable::critical_time_step::{Across, CriticalTimeStep, critical_time_step};
 use crate::observable::observe;
 use crate::outcome::{Outcome, STATE, StageFailure};
 use crate::protocol::Box2;
@@ -25,7 +25,7 @@ use crate::wall::Walls;
 struct Header {
     stage: String,
     step: u64,
-    critical_at_start: f64,
+    critical_at_start: CriticalTimeStep,
     track: Track,
 }
 
@@ -124,7 +124,7 @@ fn begun<P: Physics>(
     }
     let scene = Scene::new(laws, grains, Walls::at_rest(input.past.walls));
     let critical = critical_time_step(&scene, 0, chosen.across);
-    if time_step >= critical {
+    if time_step >= critical.at_least {
         return Err(run::stopped(0, Stop::unstable(time_step, critical)));
     }
     Ok(Drive::new(
@@ -172,10 +172,7 @@ fn outcome<P: Physics>(spec: &TrainSpec, input: &PackState, drive: &Drive<F64x1,
         "largest_overlap".to_owned(),
         Some(drive.tracks[0].largest_overlap),
     );
-    results.insert(
-        "critical_time_step".to_owned(),
-        run::measured(drive.tracks[0].critical_time_step),
-    );
+    results.extend(run::measured(drive.tracks[0].critical_time_step));
     results.insert("time_step".to_owned(), Some(drive.scene.laws.time_step));
     let past = Past {
         train: Some(spec.clone()),
