@@ -8,7 +8,7 @@ use std::f64::consts::SQRT_2;
 use granary_core::contact::frictionless::Frictionless;
 use granary_core::contact::hooke::Hooke;
 use granary_core::grains::{Grains, Motion, Pose, UPRIGHT};
-use granary_core::guard::Stop;
+use granary_core::guard::{Guard, Stop};
 use granary_core::lanes::{F64x1, VectorWidth};
 use granary_core::memory::cycle::{Cycle, Drive, Program, Segment};
 use granary_core::memory::spec::Precision;
@@ -189,8 +189,11 @@ fn held(share: f64) -> Option<Stop> {
         gamma0: 0.0,
         bumps: Waveform::Zero.bumps(),
     };
-    let critical = critical_time_step(&scene, 0, Across::default());
-    let mut drive = Drive::new(scene, cycle, vec![silent], Across::default(), critical);
+    let guard = Guard {
+        parameter: "time_step",
+        critical_at_start: critical_time_step(&scene, 0, Across::default()),
+    };
+    let mut drive = Drive::new(scene, cycle, vec![silent], Across::default(), guard);
     while drive.step < drive.cycle.steps() && !drive.is_over() {
         drive.step_once();
     }

@@ -207,14 +207,14 @@ pub struct Drive<R: Replicas, P: Physics> {
 }
 
 impl<R: Replicas, P: Physics> Drive<R, P> {
-    /// Replicas at the first step of `cycle`; `critical_at_start` as measured in the common state at its start.
+    /// Replicas at the first step of `cycle`; the guard's critical time step is that of the common state at its start.
     #[must_use]
     pub fn new(
         scene: Scene<R, P>,
         cycle: Cycle,
         programs: Vec<Program>,
         across: Across,
-        critical_at_start: CriticalTimeStep,
+        guard: Guard,
     ) -> Self {
         let series = cycle
             .segments
@@ -224,11 +224,11 @@ impl<R: Replicas, P: Physics> Drive<R, P> {
             .map_or(0, |most| most + 1);
         let jobs = programs.len();
         let mut drive = Self {
-            tracks: vec![Track::new(series, critical_at_start); jobs],
+            tracks: vec![Track::new(series, guard.critical_at_start); jobs],
             stops: vec![None; jobs],
             step: 0,
             across,
-            guard: Guard { critical_at_start },
+            guard,
             before: vec![],
             scene,
             cycle,
@@ -333,8 +333,8 @@ impl<R: Replicas, P: Physics> Drive<R, P> {
                 if critical.at_least < track.critical_time_step.at_least {
                     track.critical_time_step = critical;
                 }
-                if time_step >= critical.at_least {
-                    self.stop(k, Stop::unstable(time_step, critical));
+                if let Err(stop) = self.guard.admit(time_step, critical) {
+                    self.stop(k, stop);
                 }
             }
         }

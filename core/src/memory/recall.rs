@@ -13,7 +13,6 @@ use super::train::{Chosen, extent, laws};
 use super::waveform::{SAMPLES, sample_u};
 use super::{hold_steps, ramp_steps};
 use crate::grains::Grains;
-use crate::guard::Stop;
 use crate::identity::canonical_json;
 use crate::observable::critical_time_step::{CriticalTimeStep, critical_time_step};
 use crate::outcome::{HISTORY, Outcome, SIGNAL, StageFailure};
@@ -133,16 +132,16 @@ fn begun<R: Replicas, P: Physics>(
         run::give_memory(&mut scene, k, &input.contacts)?;
     }
     // Every replica starts alike, in the reference itself, so one measurement holds for all.
-    let critical = critical_time_step(&scene, 0, chosen.across);
-    if time_step >= critical.at_least {
-        return Err(run::stopped(0, Stop::unstable(time_step, critical)));
-    }
+    let guard = run::guard(critical_time_step(&scene, 0, chosen.across));
+    guard
+        .admit(time_step, guard.critical_at_start)
+        .map_err(|stop| run::stopped(0, stop))?;
     Ok(Drive::new(
         scene,
         cycle(spec, &input.past),
         programs(recalls),
         chosen.across,
-        critical,
+        guard,
     ))
 }
 
@@ -169,13 +168,13 @@ fn resumed<R: Replicas, P: Physics>(
     let (spec, past) = (&recalls.specs[0], &recalls.input.past);
     let laws = laws(past, chosen, spec.skin, spec.ramp, spec.time_step);
     let scene = run::restored(laws, past.walls, &saved)?;
-    let critical = headers[0].critical_at_start;
+    let guard = run::guard(headers[0].critical_at_start);
     let mut drive = Drive::new(
         scene,
         cycle(spec, past),
         programs(recalls),
         chosen.across,
-        critical,
+        guard,
     );
     drive.step = step;
     for (k, header) in headers.into_iter().enumerate() {

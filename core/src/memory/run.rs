@@ -10,7 +10,7 @@ use super::cycle::{Drive, Program, REPORT_EVERY};
 use super::state::{Checkpoint, PackState, Past, Remembered};
 use super::waveform::Waveform;
 use crate::grains::{Grains, Pose};
-use crate::guard::Stop;
+use crate::guard::{Guard, Stop};
 use crate::observable::Observation;
 use crate::observable::critical_time_step::CriticalTimeStep;
 use crate::outcome::{Report, StageFailure, Watch};
@@ -50,6 +50,14 @@ pub(crate) fn stopped(step: u64, stop: Stop) -> StageFailure {
         step,
         detail: stop.detail,
         remedy: stop.remedy,
+    }
+}
+
+/// The guard of a training or a recall.
+pub(crate) fn guard(critical_at_start: CriticalTimeStep) -> Guard {
+    Guard {
+        parameter: "time_step",
+        critical_at_start,
     }
 }
 

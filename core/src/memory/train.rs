@@ -11,7 +11,6 @@ use super::run::{self, Progress};
 use super::spec::TrainSpec;
 use super::state::{Checkpoint, PackState, Past};
 use crate::grains::Grains;
-use crate::guard::Stop;
 use crate::lanes::{F64x1, VectorWidth};
 use crate::observable::critical_time_step::{Across, CriticalTimeStep, critical_time_step};
 use crate::observable::observe;
@@ -123,16 +122,16 @@ fn begun<P: Physics>(
         grains.set_motion(i, 0, motion);
     }
     let scene = Scene::new(laws, grains, Walls::at_rest(input.past.walls));
-    let critical = critical_time_step(&scene, 0, chosen.across);
-    if time_step >= critical.at_least {
-        return Err(run::stopped(0, Stop::unstable(time_step, critical)));
-    }
+    let guard = run::guard(critical_time_step(&scene, 0, chosen.across));
+    guard
+        .admit(time_step, guard.critical_at_start)
+        .map_err(|stop| run::stopped(0, stop))?;
     Ok(Drive::new(
         scene,
         cycle(spec, &input.past),
         vec![run::silent()],
         chosen.across,
-        critical,
+        guard,
     ))
 }
 
@@ -148,13 +147,13 @@ fn resumed<P: Physics>(
     let header = saved.header.clone();
     let laws = laws(&input.past, chosen, spec.skin, spec.ramp, spec.time_step);
     let scene = run::restored(laws, input.past.walls, &[saved])?;
-    let critical = header.critical_at_start;
+    let guard = run::guard(header.critical_at_start);
     let mut drive = Drive::new(
         scene,
         cycle(spec, &input.past),
         vec![run::silent()],
         chosen.across,
-        critical,
+        guard,
     );
     drive.step = header.step;
     drive.tracks = vec![header.track];
