@@ -5,6 +5,7 @@
 use crate::lanes::Scalar;
 use crate::math::Vec3;
 use crate::observable::Observation;
+use crate::observable::critical_time_step::CriticalTimeStep;
 use crate::scene::{Physics, Replicas, Scene};
 
 /// Overlap beyond which two spheres are no longer the ones that Hertz's law describes \[R\].
@@ -24,28 +25,36 @@ pub struct Stop {
     pub remedy: String,
 }
 
-impl Stop {
-    /// The time step is above the critical one.
-    #[must_use]
-    pub fn unstable(time_step: f64, critical: f64) -> Self {
-        Self {
+/// What the guard of one replica goes by.
+#[derive(Clone, Copy, Debug)]
+pub struct Guard {
+    /// The parameter that sets the time step, for remedies.
+    pub parameter: &'static str,
+    /// The critical time step when the stage began.
+    pub critical_at_start: CriticalTimeStep,
+}
+
+impl Guard {
+    /// Refuses a time step that is not below the critical one as it was measured.
+    pub fn admit(self, time_step: f64, critical: CriticalTimeStep) -> Result<(), Stop> {
+        let critical = critical.at_least;
+        if time_step < critical {
+            return Ok(());
+        }
+        Err(Stop {
             kind: "unstable",
             detail: format!(
                 "the time step {time_step:.4} t_c is not below the measured critical one, {critical:.4} t_c"
             ),
-            remedy: format!("use a time_step of at most {:.2}", 0.85 * critical),
-        }
+            remedy: self.slower(0.85 * critical),
+        })
     }
-}
 
-/// What the guard of one replica has seen.
-#[derive(Clone, Copy, Debug)]
-pub struct Guard {
-    /// The critical time step when the stage began \[t_c\].
-    pub critical_at_start: f64,
-}
+    /// The remedy that limits the time step.
+    fn slower(self, most: f64) -> String {
+        format!("use a {} of at most {most:.2}", self.parameter)
+    }
 
-impl Guard {
     /// Judges one replica by an observation; `alternation` as [`alternation`] measures it.
     pub fn judge(
         self,
@@ -54,7 +63,7 @@ impl Guard {
         alternation: Option<f64>,
     ) -> Result<(), Stop> {
         // Compression stiffens contacts by less than 2 (√(0.06/0.02) of the overlaps, MEMORY §2), so by 1.4 in time.
-        let suspicious = time_step > self.critical_at_start / 1.4;
+        let suspicious = time_step > self.critical_at_start.at_least / 1.4;
         if !seen.is_finite() {
             return Err(self.blame(
                 time_step,
@@ -85,10 +94,7 @@ impl Guard {
                      energy of {:.1e} E R³ per grain",
                     seen.kinetic_energy
                 ),
-                remedy: format!(
-                    "use a time_step of at most {:.2}",
-                    0.85 * self.critical_at_start.min(time_step)
-                ),
+                remedy: self.slower(0.85 * self.critical_at_start.at_least.min(time_step)),
             });
         }
         Ok(())
@@ -96,14 +102,10 @@ impl Guard {
 
     fn blame(self, time_step: f64, suspicious: bool, kind: &'static str, detail: &str) -> Stop {
         if suspicious {
-            let remedy = format!(
-                "use a time_step of at most {:.2}",
-                0.85 * self.critical_at_start / 1.4
-            );
             return Stop {
                 kind: "unstable",
                 detail: format!("{detail}, at a time step of {time_step:.3} t_c"),
-                remedy,
+                remedy: self.slower(0.85 * self.critical_at_start.at_least / 1.4),
             };
         }
         let remedy = "use a smaller delta0, gamma0 or servo_pressure, or a longer ramp".to_owned();

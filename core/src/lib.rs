@@ -46,4 +46,4 @@ pub mod stage;
 /// The version of the physics: raised whenever the bits of any outcome change.
 ///
 /// It enters every [`identity::StageId`], so outcomes of another version are never taken for this one's.
-pub const PHYSICS_VERSION: u32 = 1;
+pub const PHYSICS_VERSION: u32 = 2;

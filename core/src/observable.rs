@@ -1,9 +1,11 @@
 //! Observables: what is measured in a scene; they borrow it and change nothing.
 
 pub mod critical_time_step;
+mod lanczos;
 
 use serde::{Deserialize, Serialize};
 
+use crate::grains::Pose;
 use crate::lanes::{Scalar, dispatch};
 use crate::scene::survey::Survey;
 use crate::scene::{Physics, Replicas, Scene};
@@ -25,13 +27,15 @@ pub struct Observation {
     pub largest_overlap: f64,
     /// The largest overlap of a sphere with a wall \[R\].
     pub largest_wall_overlap: f64,
+    /// Whether every position and orientation is a number; a grain without one touches nothing, so no overlap tells.
+    pub has_places: bool,
 }
 
 impl Observation {
     /// Whether every number is finite.
     #[must_use]
     pub fn is_finite(&self) -> bool {
-        self.kinetic_energy.is_finite() && self.largest_overlap.is_finite()
+        self.has_places && self.kinetic_energy.is_finite() && self.largest_overlap.is_finite()
     }
 }
 
@@ -58,7 +62,13 @@ pub fn observe<R: Replicas, P: Physics>(scene: &Scene<R, P>) -> Vec<Observation>
                     / n,
                 largest_overlap,
                 largest_wall_overlap: of(&sums.deepest_wall),
+                has_places: (0..scene.grains.len()).all(|i| has_place(&scene.grains.pose(i, k))),
             }
         })
         .collect()
+}
+
+fn has_place(pose: &Pose) -> bool {
+    let finite = |x: &f64| x.is_finite();
+    pose.position.iter().all(finite) && pose.orientation.iter().all(finite)
 }

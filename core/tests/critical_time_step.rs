@@ -6,16 +6,18 @@
 use std::f64::consts::SQRT_2;
 
 use granary_core::contact::frictionless::Frictionless;
+use granary_core::contact::hooke::Hooke;
 use granary_core::grains::{Grains, Motion, Pose, UPRIGHT};
-use granary_core::guard::Stop;
+use granary_core::guard::{Guard, Stop};
 use granary_core::lanes::{F64x1, VectorWidth};
 use granary_core::memory::cycle::{Cycle, Drive, Program, Segment};
 use granary_core::memory::spec::Precision;
+use granary_core::memory::state::PackState;
 use granary_core::memory::waveform::Waveform;
-use granary_core::observable::critical_time_step::{Across, critical_time_step};
+use granary_core::observable::critical_time_step::{Across, CriticalTimeStep, critical_time_step};
 use granary_core::protocol::Box2;
 use granary_core::scene::Scene;
-use granary_core::shape::Sphere;
+use granary_core::shape::{Shape, Sphere, Tetrahedron};
 use granary_core::stage::{STATE, StageFailure, StageSpec};
 use granary_core::wall::Walls;
 use serde_json::json;
@@ -23,11 +25,14 @@ use serde_json::json;
 #[path = "fixture/free_grains.rs"]
 #[allow(dead_code, reason = "every proof takes what it needs")]
 mod free_grains;
+#[path = "fixture/stiffness_matrix.rs"]
+mod stiffness_matrix;
 #[path = "fixture/tiny_pack.rs"]
 #[allow(dead_code, reason = "every proof takes what it needs")]
 mod tiny_pack;
 
-use free_grains::{Free, laws, scene};
+use free_grains::{Free, HOOKE, laws, scene};
+use stiffness_matrix::{largest_eigenvalue, weighted};
 use tiny_pack::{Results, finish, outcome, tiny};
 
 type Smooth = Free<Sphere, Frictionless>;
@@ -73,15 +78,20 @@ fn closed_form_of_the_pair() -> f64 {
     )
 }
 
+/// Asserts that both bounds are `expected`: so few modes are all found, up to rounding.
+fn assert_exact(measured: CriticalTimeStep, expected: f64) {
+    for bound in [measured.at_least, measured.at_most] {
+        assert!(
+            (bound / expected - 1.0).abs() < 1e-12,
+            "{measured:?} {expected}"
+        );
+    }
+}
+
 #[test]
 fn a_squeezed_pair_has_the_closed_form() {
     let measured = critical_time_step(&squeezed(1.0), 0, Across::default());
-    let expected = closed_form_of_the_pair();
-    // The next mode, both spheres together, is half as stiff: 60 iterations leave 2⁻¹²⁰ of it, and rounding.
-    assert!(
-        (measured / expected - 1.0).abs() < 1e-12,
-        "{measured} {expected}"
-    );
+    assert_exact(measured, closed_form_of_the_pair());
 }
 
 #[test]
@@ -102,11 +112,43 @@ fn a_sheared_pair_has_the_closed_form() {
     let measured = critical_time_step(&scene, 0, across);
     let arm = 1.0 - 0.5 * OVERLAP;
     let share = 2.0 / mass * (1.0 + 2.5 * arm * arm);
-    let expected = closed_form(across.stiffness * share, across.damping * share);
-    assert!(
-        (measured / expected - 1.0).abs() < 1e-12,
-        "{measured} {expected}"
+    assert_exact(
+        measured,
+        closed_form(across.stiffness * share, across.damping * share),
     );
+}
+
+/// Asserts that the bounds of a prepared pack's critical time step enclose the one of its stiffness matrix.
+fn assert_enclosed<S: Shape>(shape: &str, grains: u32, across: Across) {
+    let point = tiny(&json!({"shape": shape, "grains": grains}));
+    let packed = outcome(&StageSpec::Pack(point.pack()), &[]);
+    let state = PackState::from_bytes(&packed.artifacts[STATE]).expect("a state");
+    let laws = laws::<S, Hooke>(HOOKE, 1.0);
+    let grains = Grains::at_rest(state.poses, &laws.body, true);
+    let walls = Walls::at_rest(state.past.walls);
+    let scene: Scene<F64x1, Free<S, Hooke>> = Scene::new(laws, grains, walls);
+    let measured = critical_time_step(&scene, 0, across);
+    // 2²⁰ iterations: an eigenvalue a share g below the largest still shifts the mean by g e^(−g·2²⁰), less than 1e-6.
+    let top = |time_step: f64| largest_eigenvalue(&weighted(&scene, across, time_step), 20);
+    let (stable, unstable) = (top(measured.at_least), top(measured.at_most));
+    assert!(stable < 4.0 * (1.0 + 1e-12), "{shape}: {stable}");
+    assert!(unstable > 4.0 * (1.0 - 1e-6), "{shape}: {unstable}");
+    assert!(unstable < 4.0 * (1.0 + 1e-6), "{shape}: {unstable}");
+    // Measured on packs of 325 grains: 5e-5 at most; these are smaller, and known better.
+    let width = measured.at_most / measured.at_least - 1.0;
+    assert!((0.0..1e-3).contains(&width), "{shape}: {width:e}");
+}
+
+#[test]
+fn the_bounds_enclose_the_critical_time_step_of_a_pack() {
+    let stuck = Across {
+        stiffness: HOOKE.stiffness,
+        damping: HOOKE.damping,
+    };
+    for across in [Across::default(), stuck] {
+        assert_enclosed::<Sphere>("sphere", 40, across);
+        assert_enclosed::<Tetrahedron>("tetrahedron", 40, across);
+    }
 }
 
 #[test]
@@ -147,8 +189,11 @@ fn held(share: f64) -> Option<Stop> {
         gamma0: 0.0,
         bumps: Waveform::Zero.bumps(),
     };
-    let critical = critical_time_step(&scene, 0, Across::default());
-    let mut drive = Drive::new(scene, cycle, vec![silent], Across::default(), critical);
+    let guard = Guard {
+        parameter: "time_step",
+        critical_at_start: critical_time_step(&scene, 0, Across::default()),
+    };
+    let mut drive = Drive::new(scene, cycle, vec![silent], Across::default(), guard);
     while drive.step < drive.cycle.steps() && !drive.is_over() {
         drive.step_once();
     }

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::waveform::{Bumps, SAMPLES};
 use crate::guard::{Guard, Stop, alternation};
 use crate::math::Vec3;
-use crate::observable::critical_time_step::{Across, critical_time_step};
+use crate::observable::critical_time_step::{Across, CriticalTimeStep, critical_time_step};
 use crate::observable::{Observation, observe};
 use crate::protocol::{Box2, move_box};
 use crate::scene::{Physics, Replicas, Scene};
@@ -164,14 +164,14 @@ pub struct Track {
     pub series: Vec<Vec<Option<Sample>>>,
     /// The largest overlap at any sample \[R\].
     pub largest_overlap: f64,
-    /// The smallest critical time step measured \[t_c\].
-    pub critical_time_step: f64,
+    /// The smallest critical time step measured.
+    pub critical_time_step: CriticalTimeStep,
 }
 
 impl Track {
     /// A track for `count` series.
     #[must_use]
-    pub fn new(count: usize, critical_time_step: f64) -> Self {
+    pub fn new(count: usize, critical_time_step: CriticalTimeStep) -> Self {
         Self {
             series: vec![vec![None; SAMPLES]; count],
             largest_overlap: 0.0,
@@ -207,14 +207,14 @@ pub struct Drive<R: Replicas, P: Physics> {
 }
 
 impl<R: Replicas, P: Physics> Drive<R, P> {
-    /// Replicas at the first step of `cycle`; `critical_at_start` as measured in the common state at its start.
+    /// Replicas at the first step of `cycle`; the guard's critical time step is that of the common state at its start.
     #[must_use]
     pub fn new(
         scene: Scene<R, P>,
         cycle: Cycle,
         programs: Vec<Program>,
         across: Across,
-        critical_at_start: f64,
+        guard: Guard,
     ) -> Self {
         let series = cycle
             .segments
@@ -224,11 +224,11 @@ impl<R: Replicas, P: Physics> Drive<R, P> {
             .map_or(0, |most| most + 1);
         let jobs = programs.len();
         let mut drive = Self {
-            tracks: vec![Track::new(series, critical_at_start); jobs],
+            tracks: vec![Track::new(series, guard.critical_at_start); jobs],
             stops: vec![None; jobs],
             step: 0,
             across,
-            guard: Guard { critical_at_start },
+            guard,
             before: vec![],
             scene,
             cycle,
@@ -241,9 +241,9 @@ impl<R: Replicas, P: Physics> Drive<R, P> {
         drive
     }
 
-    /// The critical time step in the common state at the start \[t_c\].
+    /// The critical time step in the common state at the start.
     #[must_use]
-    pub fn critical_at_start(&self) -> f64 {
+    pub fn critical_at_start(&self) -> CriticalTimeStep {
         self.guard.critical_at_start
     }
 
@@ -330,9 +330,11 @@ impl<R: Replicas, P: Physics> Drive<R, P> {
             if self.stops[k].is_none() {
                 let critical = critical_time_step(&self.scene, k, self.across);
                 let track = &mut self.tracks[k];
-                track.critical_time_step = track.critical_time_step.min(critical);
-                if time_step >= critical {
-                    self.stop(k, Stop::unstable(time_step, critical));
+                if critical.at_least < track.critical_time_step.at_least {
+                    track.critical_time_step = critical;
+                }
+                if let Err(stop) = self.guard.admit(time_step, critical) {
+                    self.stop(k, stop);
                 }
             }
         }

@@ -16,11 +16,11 @@ use crate::guard::{Guard, Stop};
 use crate::lanes::{F64x1, VectorWidth};
 use crate::material::Material;
 use crate::math::plain;
-use crate::observable::critical_time_step::{Across, critical_time_step};
+use crate::observable::critical_time_step::{Across, CriticalTimeStep, critical_time_step};
 use crate::observable::{Observation, observe};
 use crate::outcome::{Outcome, STATE, StageFailure};
 use crate::protocol::{Box2, Servo};
-use crate::scene::{Laws, Scene, With};
+use crate::scene::{Laws, Physics, Scene, With};
 use crate::shape::{Body, Shape};
 use crate::wall::{WALLS, Walls};
 
@@ -58,7 +58,7 @@ struct Header {
     servo: Servo,
     servo_steps: u64,
     walls: [f64; WALLS],
-    critical_at_start: f64,
+    critical_at_start: CriticalTimeStep,
     track: Track,
 }
 
@@ -71,6 +71,36 @@ struct Preparation<'a, S: Shape> {
     phase_step: u64,
     servo: Servo,
     servo_steps: u64,
+    /// The last moment that was looked at and found good.
+    good: Option<Moment>,
+}
+
+/// What the steps of gas and servo start from.
+struct Moment {
+    step: u64,
+    grains: Grains<F64x1>,
+    walls: Walls<F64x1>,
+    servo: Servo,
+}
+
+/// One step, under the servo's wall or, in the gas, in a fixed box.
+fn advance<P: Physics>(scene: &mut Scene<F64x1, P>, servo: Option<&mut Servo>) {
+    match servo {
+        None => scene.step(),
+        Some(servo) => {
+            servo.advance(scene);
+            scene.step();
+            servo.feel(scene);
+        }
+    }
+}
+
+/// The guard of a preparation.
+fn guard(critical_at_start: CriticalTimeStep) -> Guard {
+    Guard {
+        parameter: "preparation_time_step",
+        critical_at_start,
+    }
 }
 
 /// The laws of preparation.
@@ -144,6 +174,7 @@ fn begin<'a, S: Shape>(spec: &'a PackSpec, stage: &str, width: VectorWidth) -> P
         phase_step: 0,
         servo: Servo::new(spec.servo_pressure, SERVO_SPEED),
         servo_steps: 0,
+        good: None,
     }
 }
 
@@ -182,9 +213,9 @@ impl<S: Shape> Preparation<'_, S> {
                 self.scene.set_skin(SKINS[1]);
                 break;
             }
-            self.look(progress)?;
-            self.scene.step();
-            self.phase_step += 1;
+            self.look()?;
+            self.report(progress)?;
+            self.advance();
         }
         Ok(())
     }
@@ -192,7 +223,7 @@ impl<S: Shape> Preparation<'_, S> {
     /// Lets the +z wall press until the grains are at rest under it.
     fn settle(&mut self, progress: &mut Progress<'_>) -> Result<(), StageFailure> {
         while self.phase == Phase::Servo {
-            if let Some(seen) = self.look(progress)? {
+            if let Some(seen) = self.look()? {
                 if seen.kinetic_energy < self.spec.rest_kinetic_energy
                     && self.servo.is_settled(SETTLED)
                 {
@@ -201,40 +232,73 @@ impl<S: Shape> Preparation<'_, S> {
                 }
                 self.give_up(&seen)?;
             }
-            self.servo.advance(&mut self.scene);
-            self.scene.step();
-            self.servo.feel(&self.scene);
-            self.phase_step += 1;
+            self.report(progress)?;
+            self.advance();
         }
         Ok(())
     }
 
-    /// Every hundred steps: asks the caller, observes and guards.
-    fn look(&self, progress: &mut Progress<'_>) -> Result<Option<Observation>, StageFailure> {
+    /// One step of gas or servo.
+    fn advance(&mut self) {
+        if self.phase_step.is_multiple_of(REPORT_EVERY) {
+            self.good = Some(self.moment());
+        }
+        let servo = (self.phase == Phase::Servo).then_some(&mut self.servo);
+        advance(&mut self.scene, servo);
+        self.phase_step += 1;
+    }
+
+    /// Every hundred steps: tells the caller, who may save what [`Preparation::look`] found good.
+    fn report(&self, progress: &mut Progress<'_>) -> Result<(), StageFailure> {
+        if self.phase_step.is_multiple_of(REPORT_EVERY) {
+            progress.ask(self.step(), &|| vec![self.checkpoint()])?;
+        }
+        Ok(())
+    }
+
+    /// Every hundred steps: observes and guards.
+    fn look(&self) -> Result<Option<Observation>, StageFailure> {
         if !self.phase_step.is_multiple_of(REPORT_EVERY) {
             return Ok(None);
         }
-        progress.ask(self.step(), &|| vec![self.checkpoint()])?;
         let seen = observe(&self.scene)[0];
-        let guard = Guard {
-            critical_at_start: f64::MAX,
-        };
-        match guard.judge(self.scene.laws.time_step, &seen, None) {
+        let judged = guard(CriticalTimeStep::NONE).judge(self.scene.laws.time_step, &seen, None);
+        match judged {
             Ok(()) => Ok(Some(seen)),
-            Err(stop) => Err(run::stopped(self.step(), self.blamed(stop))),
+            Err(stop) => Err(match &self.good {
+                Some(good) => self.traced(good, self.step(), stop),
+                None => run::stopped(self.step(), stop),
+            }),
         }
     }
 
-    /// Whether the time step is to blame is seen from the contacts, if there are any numbers left to see.
-    fn blamed(&self, stop: Stop) -> Stop {
-        let time_step = self.scene.laws.time_step;
-        let critical = critical_time_step(&self.scene, 0, Across::default());
-        // A time step as long as the slowest vibration of a lightly pressed contact cannot be stable either.
-        if time_step >= critical || time_step > 2.5 {
-            Stop::unstable(time_step, critical.min(2.5))
-        } else {
-            stop
+    fn moment(&self) -> Moment {
+        Moment {
+            step: self.step(),
+            grains: self.scene.grains.clone(),
+            walls: self.scene.walls.clone(),
+            servo: self.servo,
         }
+    }
+
+    /// A failure, told from its cause: goes again from a good moment to step `until`, and if any step on the way is above
+    /// the critical one of its contacts, the time step is to blame, whatever was noticed later.
+    fn traced(&self, good: &Moment, until: u64, noticed: Stop) -> StageFailure {
+        let laws = self.scene.laws.clone();
+        let time_step = laws.time_step;
+        let mut scene: Scene<F64x1, Smooth<S>> =
+            Scene::new(laws, good.grains.clone(), good.walls.clone());
+        let mut servo = good.servo;
+        for step in good.step..=until {
+            let measured = critical_time_step(&scene, 0, Across::default());
+            let admitted = guard(CriticalTimeStep::NONE).admit(time_step, measured);
+            if let Err(stop) = admitted {
+                return run::stopped(step, stop);
+            }
+            let pressed = step >= self.gas_steps();
+            advance(&mut scene, pressed.then_some(&mut servo));
+        }
+        run::stopped(self.step(), noticed)
     }
 
     fn give_up(&self, seen: &Observation) -> Result<(), StageFailure> {
@@ -251,7 +315,8 @@ impl<S: Shape> Preparation<'_, S> {
             ),
             remedy: "use a larger rest_kinetic_energy, a smaller preparation_time_step or another packing_seed".to_owned(),
         };
-        Err(run::stopped(self.step(), stop))
+        // An unstable pack never rests either.
+        Err(self.traced(&self.moment(), self.step() + REPORT_EVERY, stop))
     }
 
     /// The packed grains, renumbered by place, at the start of the cycles.
@@ -276,13 +341,9 @@ impl<S: Shape> Preparation<'_, S> {
         laws.skin = SKINS[2];
         let scene = lone_scene(laws, poses, &motions, walls);
         let critical = critical_time_step(&scene, 0, Across::default());
-        let time_step = scene.laws.time_step;
-        if time_step >= critical {
-            return Err(run::stopped(
-                self.step(),
-                Stop::unstable(time_step, critical),
-            ));
-        }
+        guard(critical)
+            .admit(scene.laws.time_step, critical)
+            .map_err(|stop| run::stopped(self.step(), stop))?;
         Ok(Box::new(cycling(self.spec, scene, walls, critical)))
     }
 
@@ -295,7 +356,7 @@ impl<S: Shape> Preparation<'_, S> {
             servo: self.servo,
             servo_steps: self.servo_steps,
             walls: std::array::from_fn(|w| self.scene.walls.position(w, 0)),
-            critical_at_start: f64::MAX,
+            critical_at_start: CriticalTimeStep::NONE,
             track: Track::default(),
         };
         run::checkpoint_of(&self.scene, 0, header).to_bytes()
@@ -307,7 +368,7 @@ fn cycling<S: Shape>(
     spec: &PackSpec,
     mut scene: Scene<F64x1, Smooth<S>>,
     walls: [f64; WALLS],
-    critical: f64,
+    critical: CriticalTimeStep,
 ) -> Drive<F64x1, Smooth<S>> {
     let steps = ramp_steps(spec.preparation_ramp, spec.preparation_time_step);
     scene.laws.time_step = spec.preparation_ramp / steps as f64;
@@ -328,7 +389,7 @@ fn cycling<S: Shape>(
         cycle,
         vec![run::silent()],
         Across::default(),
-        critical,
+        guard(critical),
     )
 }
 
@@ -370,10 +431,7 @@ fn cycles<S: Shape>(
     let steps = before + last;
     let mut results = run::observed(&seen, "");
     results.insert("servo_steps".to_owned(), Some(servo_steps as f64));
-    results.insert(
-        "critical_time_step".to_owned(),
-        run::measured(drive.tracks[0].critical_time_step),
-    );
+    results.extend(run::measured(drive.tracks[0].critical_time_step));
     for (name, axis) in [("extent_x", 0), ("extent_y", 1), ("extent_z", 2)] {
         results.insert(
             name.to_owned(),
@@ -423,5 +481,6 @@ fn read<'a, S: Shape>(
         phase_step: header.phase_step,
         servo: header.servo,
         servo_steps: header.servo_steps,
+        good: None,
     })))
 }

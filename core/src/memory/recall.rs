@@ -13,9 +13,8 @@ use super::train::{Chosen, extent, laws};
 use super::waveform::{SAMPLES, sample_u};
 use super::{hold_steps, ramp_steps};
 use crate::grains::Grains;
-use crate::guard::Stop;
 use crate::identity::canonical_json;
-use crate::observable::critical_time_step::critical_time_step;
+use crate::observable::critical_time_step::{CriticalTimeStep, critical_time_step};
 use crate::outcome::{HISTORY, Outcome, SIGNAL, StageFailure};
 use crate::scene::{Physics, Replicas, Scene};
 use crate::wall::Walls;
@@ -32,7 +31,7 @@ const SECOND_DECODE: usize = 3;
 struct Header {
     stage: String,
     step: u64,
-    critical_at_start: f64,
+    critical_at_start: CriticalTimeStep,
     track: Track,
     stop: Option<(u64, String, String, String)>,
 }
@@ -133,16 +132,16 @@ fn begun<R: Replicas, P: Physics>(
         run::give_memory(&mut scene, k, &input.contacts)?;
     }
     // Every replica starts alike, in the reference itself, so one measurement holds for all.
-    let critical = critical_time_step(&scene, 0, chosen.across);
-    if time_step >= critical {
-        return Err(run::stopped(0, Stop::unstable(time_step, critical)));
-    }
+    let guard = run::guard(critical_time_step(&scene, 0, chosen.across));
+    guard
+        .admit(time_step, guard.critical_at_start)
+        .map_err(|stop| run::stopped(0, stop))?;
     Ok(Drive::new(
         scene,
         cycle(spec, &input.past),
         programs(recalls),
         chosen.across,
-        critical,
+        guard,
     ))
 }
 
@@ -169,13 +168,13 @@ fn resumed<R: Replicas, P: Physics>(
     let (spec, past) = (&recalls.specs[0], &recalls.input.past);
     let laws = laws(past, chosen, spec.skin, spec.ramp, spec.time_step);
     let scene = run::restored(laws, past.walls, &saved)?;
-    let critical = headers[0].critical_at_start;
+    let guard = run::guard(headers[0].critical_at_start);
     let mut drive = Drive::new(
         scene,
         cycle(spec, past),
         programs(recalls),
         chosen.across,
-        critical,
+        guard,
     );
     drive.step = step;
     for (k, header) in headers.into_iter().enumerate() {
@@ -226,10 +225,7 @@ fn outcome<R: Replicas, P: Physics>(
         .map(|sample| sample.seen.kinetic_energy);
     results.insert("hold_kinetic_energy".to_owned(), held);
     results.insert("largest_overlap".to_owned(), Some(track.largest_overlap));
-    results.insert(
-        "critical_time_step".to_owned(),
-        run::measured(track.critical_time_step),
-    );
+    results.extend(run::measured(track.critical_time_step));
     results.insert("time_step".to_owned(), Some(drive.scene.laws.time_step));
     if let (Some(first), Some(last)) = (series[ENCODE].first(), series[ENCODE].last()) {
         results.extend(run::observed(&first.seen, ""));

@@ -60,7 +60,12 @@ pub const RESULTS: &[Quantity] = &[
     row(
         "critical_time_step",
         ("Δt_crit", "t_c"),
-        "Smallest critical time step measured in the run.",
+        "Smallest critical time step measured in the run: below it no motion grew.",
+    ),
+    row(
+        "critical_time_step_error",
+        ("δΔt_crit", "t_c"),
+        "How much larger the critical time step can be at most.",
     ),
     row(
         "volume_fraction",

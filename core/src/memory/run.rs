@@ -10,8 +10,9 @@ use super::cycle::{Drive, Program, REPORT_EVERY};
 use super::state::{Checkpoint, PackState, Past, Remembered};
 use super::waveform::Waveform;
 use crate::grains::{Grains, Pose};
-use crate::guard::Stop;
+use crate::guard::{Guard, Stop};
 use crate::observable::Observation;
+use crate::observable::critical_time_step::CriticalTimeStep;
 use crate::outcome::{Report, StageFailure, Watch};
 use crate::scene::{Laws, Physics, Replicas, Scene, history_components};
 use crate::wall::{WALLS, Walls};
@@ -49,6 +50,14 @@ pub(crate) fn stopped(step: u64, stop: Stop) -> StageFailure {
         step,
         detail: stop.detail,
         remedy: stop.remedy,
+    }
+}
+
+/// The guard of a training or a recall.
+pub(crate) fn guard(critical_at_start: CriticalTimeStep) -> Guard {
+    Guard {
+        parameter: "time_step",
+        critical_at_start,
     }
 }
 
@@ -209,7 +218,15 @@ pub(crate) fn observed(seen: &Observation, suffix: &str) -> BTreeMap<String, Opt
         .collect()
 }
 
-/// A critical time step as a result: none if nothing touched.
-pub(crate) fn measured(critical_time_step: f64) -> Option<f64> {
-    (critical_time_step < f64::MAX).then_some(critical_time_step)
+/// A critical time step as results: none if nothing touched.
+pub(crate) fn measured(critical: CriticalTimeStep) -> [(String, Option<f64>); 2] {
+    let touched = critical != CriticalTimeStep::NONE;
+    [
+        ("critical_time_step", critical.at_least),
+        (
+            "critical_time_step_error",
+            critical.at_most - critical.at_least,
+        ),
+    ]
+    .map(|(name, value)| (name.to_owned(), touched.then_some(value)))
 }

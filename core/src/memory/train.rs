@@ -11,9 +11,8 @@ use super::run::{self, Progress};
 use super::spec::TrainSpec;
 use super::state::{Checkpoint, PackState, Past};
 use crate::grains::Grains;
-use crate::guard::Stop;
 use crate::lanes::{F64x1, VectorWidth};
-use crate::observable::critical_time_step::{Across, critical_time_step};
+use crate::observable::critical_time_step::{Across, CriticalTimeStep, critical_time_step};
 use crate::observable::observe;
 use crate::outcome::{Outcome, STATE, StageFailure};
 use crate::protocol::Box2;
@@ -25,7 +24,7 @@ use crate::wall::Walls;
 struct Header {
     stage: String,
     step: u64,
-    critical_at_start: f64,
+    critical_at_start: CriticalTimeStep,
     track: Track,
 }
 
@@ -123,16 +122,16 @@ fn begun<P: Physics>(
         grains.set_motion(i, 0, motion);
     }
     let scene = Scene::new(laws, grains, Walls::at_rest(input.past.walls));
-    let critical = critical_time_step(&scene, 0, chosen.across);
-    if time_step >= critical {
-        return Err(run::stopped(0, Stop::unstable(time_step, critical)));
-    }
+    let guard = run::guard(critical_time_step(&scene, 0, chosen.across));
+    guard
+        .admit(time_step, guard.critical_at_start)
+        .map_err(|stop| run::stopped(0, stop))?;
     Ok(Drive::new(
         scene,
         cycle(spec, &input.past),
         vec![run::silent()],
         chosen.across,
-        critical,
+        guard,
     ))
 }
 
@@ -148,13 +147,13 @@ fn resumed<P: Physics>(
     let header = saved.header.clone();
     let laws = laws(&input.past, chosen, spec.skin, spec.ramp, spec.time_step);
     let scene = run::restored(laws, input.past.walls, &[saved])?;
-    let critical = header.critical_at_start;
+    let guard = run::guard(header.critical_at_start);
     let mut drive = Drive::new(
         scene,
         cycle(spec, &input.past),
         vec![run::silent()],
         chosen.across,
-        critical,
+        guard,
     );
     drive.step = header.step;
     drive.tracks = vec![header.track];
@@ -172,10 +171,7 @@ fn outcome<P: Physics>(spec: &TrainSpec, input: &PackState, drive: &Drive<F64x1,
         "largest_overlap".to_owned(),
         Some(drive.tracks[0].largest_overlap),
     );
-    results.insert(
-        "critical_time_step".to_owned(),
-        run::measured(drive.tracks[0].critical_time_step),
-    );
+    results.extend(run::measured(drive.tracks[0].critical_time_step));
     results.insert("time_step".to_owned(), Some(drive.scene.laws.time_step));
     let past = Past {
         train: Some(spec.clone()),
