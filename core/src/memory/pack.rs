@@ -1,26 +1,29 @@
 //! The stage `pack`: gas, servo, and two frictionless compression cycles (Sec. II.2).
 
+mod settle;
+
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use super::cycle::{Cycle, Drive, REPORT_EVERY, Segment, Track};
-use super::gas::{self, Lattice};
+use self::settle::{Preparation, SERVO_SPEED};
+use super::cycle::{Cycle, Drive, Segment, Track};
+use super::gas::Lattice;
 use super::ramp_steps;
 use super::run::{self, Progress};
 use super::spec::{PackSpec, ShapeName};
 use super::state::{Checkpoint, Past};
 use crate::contact::frictionless::Frictionless;
 use crate::grains::{Grains, Motion, Pose, spatial_order};
-use crate::guard::{Guard, Stop};
+use crate::guard::Guard;
 use crate::lanes::{F64x1, VectorWidth};
 use crate::material::Material;
 use crate::math::plain;
 use crate::observable::critical_time_step::{Across, CriticalTimeStep, critical_time_step};
-use crate::observable::{Observation, observe};
+use crate::observable::observe;
 use crate::outcome::{Outcome, STATE, StageFailure};
 use crate::protocol::{Box2, Servo};
-use crate::scene::{Laws, Physics, Scene, With};
+use crate::scene::{Laws, Scene, With};
 use crate::shape::{Body, Shape};
 use crate::wall::{WALLS, Walls};
 
@@ -29,15 +32,6 @@ type Smooth<S> = With<S, Frictionless, ()>;
 
 /// Lists reach far while grains fly, and less far once they are packed; no result depends on it \[R\].
 const SKINS: [f64; 3] = [1.0, 0.3, 0.1];
-
-/// How fast the servo's wall may advance \[R/t_c\].
-const SERVO_SPEED: f64 = 0.01;
-
-/// How long the servo may take \[t_c\]: ten times what packs need (MEMORY §3).
-const SERVO_TIME: f64 = 250_000.0;
-
-/// How close the servo must be to its pressure.
-const SETTLED: f64 = 0.01;
 
 /// Where a preparation is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -60,39 +54,6 @@ struct Header {
     walls: [f64; WALLS],
     critical_at_start: CriticalTimeStep,
     track: Track,
-}
-
-/// A preparation between two steps.
-struct Preparation<'a, S: Shape> {
-    spec: &'a PackSpec,
-    stage: String,
-    scene: Scene<F64x1, Smooth<S>>,
-    phase: Phase,
-    phase_step: u64,
-    servo: Servo,
-    servo_steps: u64,
-    /// The last moment that was looked at and found good.
-    good: Option<Moment>,
-}
-
-/// What the steps of gas and servo start from.
-struct Moment {
-    step: u64,
-    grains: Grains<F64x1>,
-    walls: Walls<F64x1>,
-    servo: Servo,
-}
-
-/// One step, under the servo's wall or, in the gas, in a fixed box.
-fn advance<P: Physics>(scene: &mut Scene<F64x1, P>, servo: Option<&mut Servo>) {
-    match servo {
-        None => scene.step(),
-        Some(servo) => {
-            servo.advance(scene);
-            scene.step();
-            servo.feel(scene);
-        }
-    }
 }
 
 /// The guard of a preparation.
@@ -146,12 +107,12 @@ pub(crate) fn run<S: Shape>(
         Some(Saved::Cycling(drive, servo_steps)) => {
             return cycles(spec, stage, drive, servo_steps, progress);
         }
-        None => begin(spec, stage, width),
+        None => Preparation::new(spec, stage, width),
     };
     preparation.gas(progress)?;
     preparation.settle(progress)?;
     let servo_steps = preparation.servo_steps;
-    let drive = preparation.packed(width)?;
+    let drive = packed(&preparation, width)?;
     cycles(spec, stage, drive, servo_steps, progress)
 }
 
@@ -159,23 +120,6 @@ pub(crate) fn run<S: Shape>(
 enum Saved<'a, S: Shape> {
     Free(Box<Preparation<'a, S>>),
     Cycling(Box<Drive<F64x1, Smooth<S>>>, u64),
-}
-
-fn begin<'a, S: Shape>(spec: &'a PackSpec, stage: &str, width: VectorWidth) -> Preparation<'a, S> {
-    let laws = laws::<S>(spec, width);
-    let lattice = Lattice::new(spec.grains, &laws.body);
-    let (poses, motions) = gas::start(spec, &laws.body, &lattice);
-    let scene = lone_scene(laws, poses, &motions, lattice.walls());
-    Preparation {
-        spec,
-        stage: stage.to_owned(),
-        scene,
-        phase: Phase::Gas,
-        phase_step: 0,
-        servo: Servo::new(spec.servo_pressure, SERVO_SPEED),
-        servo_steps: 0,
-        good: None,
-    }
 }
 
 fn lone_scene<S: Shape>(
@@ -191,176 +135,35 @@ fn lone_scene<S: Shape>(
     Scene::new(laws, grains, Walls::at_rest(walls))
 }
 
-impl<S: Shape> Preparation<'_, S> {
-    /// Steps since the gas began.
-    fn step(&self) -> u64 {
-        let gas = self.gas_steps();
-        match self.phase {
-            Phase::Gas => self.phase_step,
-            Phase::Servo | Phase::Cycles => gas + self.phase_step,
-        }
-    }
-
-    fn gas_steps(&self) -> u64 {
-        (self.spec.gas_time / self.spec.preparation_time_step).ceil() as u64
-    }
-
-    /// Mixes the gas in its fixed box.
-    fn gas(&mut self, progress: &mut Progress<'_>) -> Result<(), StageFailure> {
-        while self.phase == Phase::Gas {
-            if self.phase_step >= self.gas_steps() {
-                (self.phase, self.phase_step) = (Phase::Servo, 0);
-                self.scene.set_skin(SKINS[1]);
-                break;
-            }
-            self.look()?;
-            self.report(progress)?;
-            self.advance();
-        }
-        Ok(())
-    }
-
-    /// Lets the +z wall press until the grains are at rest under it.
-    fn settle(&mut self, progress: &mut Progress<'_>) -> Result<(), StageFailure> {
-        while self.phase == Phase::Servo {
-            if let Some(seen) = self.look()? {
-                if seen.kinetic_energy < self.spec.rest_kinetic_energy
-                    && self.servo.is_settled(SETTLED)
-                {
-                    self.servo_steps = self.phase_step;
-                    break;
-                }
-                self.give_up(&seen)?;
-            }
-            self.report(progress)?;
-            self.advance();
-        }
-        Ok(())
-    }
-
-    /// One step of gas or servo.
-    fn advance(&mut self) {
-        if self.phase_step.is_multiple_of(REPORT_EVERY) {
-            self.good = Some(self.moment());
-        }
-        let servo = (self.phase == Phase::Servo).then_some(&mut self.servo);
-        advance(&mut self.scene, servo);
-        self.phase_step += 1;
-    }
-
-    /// Every hundred steps: tells the caller, who may save what [`Preparation::look`] found good.
-    fn report(&self, progress: &mut Progress<'_>) -> Result<(), StageFailure> {
-        if self.phase_step.is_multiple_of(REPORT_EVERY) {
-            progress.ask(self.step(), &|| vec![self.checkpoint()])?;
-        }
-        Ok(())
-    }
-
-    /// Every hundred steps: observes and guards.
-    fn look(&self) -> Result<Option<Observation>, StageFailure> {
-        if !self.phase_step.is_multiple_of(REPORT_EVERY) {
-            return Ok(None);
-        }
-        let seen = observe(&self.scene)[0];
-        let judged = guard(CriticalTimeStep::NONE).judge(self.scene.laws.time_step, &seen, None);
-        match judged {
-            Ok(()) => Ok(Some(seen)),
-            Err(stop) => Err(match &self.good {
-                Some(good) => self.traced(good, self.step(), stop),
-                None => run::stopped(self.step(), stop),
-            }),
-        }
-    }
-
-    fn moment(&self) -> Moment {
-        Moment {
-            step: self.step(),
-            grains: self.scene.grains.clone(),
-            walls: self.scene.walls.clone(),
-            servo: self.servo,
-        }
-    }
-
-    /// A failure, told from its cause: goes again from a good moment to step `until`, and if any step on the way is above
-    /// the critical one of its contacts, the time step is to blame, whatever was noticed later.
-    fn traced(&self, good: &Moment, until: u64, noticed: Stop) -> StageFailure {
-        let laws = self.scene.laws.clone();
-        let time_step = laws.time_step;
-        let mut scene: Scene<F64x1, Smooth<S>> =
-            Scene::new(laws, good.grains.clone(), good.walls.clone());
-        let mut servo = good.servo;
-        for step in good.step..=until {
-            let measured = critical_time_step(&scene, 0, Across::default());
-            let admitted = guard(CriticalTimeStep::NONE).admit(time_step, measured);
-            if let Err(stop) = admitted {
-                return run::stopped(step, stop);
-            }
-            let pressed = step >= self.gas_steps();
-            advance(&mut scene, pressed.then_some(&mut servo));
-        }
-        run::stopped(self.step(), noticed)
-    }
-
-    fn give_up(&self, seen: &Observation) -> Result<(), StageFailure> {
-        if self.phase_step as f64 * self.spec.preparation_time_step < SERVO_TIME {
-            return Ok(());
-        }
-        let stop = Stop {
-            kind: "not_at_rest",
-            detail: format!(
-                "after {SERVO_TIME} t_c under the servo the kinetic energy per grain is {:.1e} E R³ and the pressure \
-                 {:.3} of its target",
-                seen.kinetic_energy,
-                self.servo.smoothed / self.servo.target
-            ),
-            remedy: "use a larger rest_kinetic_energy, a smaller preparation_time_step or another packing_seed".to_owned(),
-        };
-        // An unstable pack never rests either.
-        Err(self.traced(&self.moment(), self.step() + REPORT_EVERY, stop))
-    }
-
-    /// The packed grains, renumbered by place, at the start of the cycles.
-    fn packed(self, width: VectorWidth) -> Result<Box<Drive<F64x1, Smooth<S>>>, StageFailure> {
-        let walls: [f64; WALLS] = std::array::from_fn(|w| self.scene.walls.position(w, 0));
-        // The middle of the box is the origin again, about which it will be compressed.
-        let middle = [0.0, 0.0, 0.5 * (walls[4] + walls[5])];
-        let half = 0.5 * (walls[5] - walls[4]);
-        let walls = [walls[0], walls[1], walls[2], walls[3], -half, half];
-        let grains = &self.scene.grains;
-        let poses: Vec<Pose> = (0..grains.len())
-            .map(|i| grains.pose(i, 0))
-            .map(|pose| Pose {
-                position: plain::sub(pose.position, middle),
-                ..pose
-            })
-            .collect();
-        let order = spatial_order(&poses);
-        let motions: Vec<Motion> = order.iter().map(|&i| grains.motion(i, 0)).collect();
-        let poses = order.iter().map(|&i| poses[i]).collect();
-        let mut laws = laws::<S>(self.spec, width);
-        laws.skin = SKINS[2];
-        let scene = lone_scene(laws, poses, &motions, walls);
-        let critical = critical_time_step(&scene, 0, Across::default());
-        guard(critical)
-            .admit(scene.laws.time_step, critical)
-            .map_err(|stop| run::stopped(self.step(), stop))?;
-        Ok(Box::new(cycling(self.spec, scene, walls, critical)))
-    }
-
-    fn checkpoint(&self) -> Vec<u8> {
-        let header = Header {
-            stage: self.stage.clone(),
-            step: self.step(),
-            phase: self.phase,
-            phase_step: self.phase_step,
-            servo: self.servo,
-            servo_steps: self.servo_steps,
-            walls: std::array::from_fn(|w| self.scene.walls.position(w, 0)),
-            critical_at_start: CriticalTimeStep::NONE,
-            track: Track::default(),
-        };
-        run::checkpoint_of(&self.scene, 0, header).to_bytes()
-    }
+/// The packed grains, renumbered by place, at the start of the cycles.
+fn packed<S: Shape>(
+    preparation: &Preparation<'_, S>,
+    width: VectorWidth,
+) -> Result<Box<Drive<F64x1, Smooth<S>>>, StageFailure> {
+    let walls: [f64; WALLS] = std::array::from_fn(|w| preparation.scene.walls.position(w, 0));
+    // The middle of the box is the origin again, about which it will be compressed.
+    let middle = [0.0, 0.0, 0.5 * (walls[4] + walls[5])];
+    let half = 0.5 * (walls[5] - walls[4]);
+    let walls = [walls[0], walls[1], walls[2], walls[3], -half, half];
+    let grains = &preparation.scene.grains;
+    let poses: Vec<Pose> = (0..grains.len())
+        .map(|i| grains.pose(i, 0))
+        .map(|pose| Pose {
+            position: plain::sub(pose.position, middle),
+            ..pose
+        })
+        .collect();
+    let order = spatial_order(&poses);
+    let motions: Vec<Motion> = order.iter().map(|&i| grains.motion(i, 0)).collect();
+    let poses = order.iter().map(|&i| poses[i]).collect();
+    let mut laws = laws::<S>(preparation.spec, width);
+    laws.skin = SKINS[2];
+    let scene = lone_scene(laws, poses, &motions, walls);
+    let critical = critical_time_step(&scene, 0, Across::default());
+    guard(critical)
+        .admit(scene.laws.time_step, critical)
+        .map_err(|stop| run::stopped(preparation.step(), stop))?;
+    Ok(Box::new(cycling(preparation.spec, scene, walls, critical)))
 }
 
 /// The compression cycles of a preparation.
