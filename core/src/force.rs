@@ -45,7 +45,7 @@ impl BodyForce for () {
 
 /// Drag η on the velocity that departs from the affine one, and on the spin.
 ///
-/// It damps what a fast ramp stirs up and leaves the slow motion alone (MEMORY §4).
+/// It damps what a fast ramp stirs up and leaves the slow motion alone (docs/choices.md §4).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AffineDrag {
     /// η \[1/t_c\].

@@ -1,7 +1,7 @@
 //! The state of all grains; this module alone knows how it lies in memory.
 //!
 //! Every replica is a displacement from one shared reference in double precision, so that single precision lanes resolve
-//! the small differences that carry a memory (MEMORY §4).
+//! the small differences that carry a memory (docs/choices.md §4).
 //! Velocities and spins are those of the last half step.
 
 use crate::lanes::{Row, Scalar, prefetch};

@@ -11,7 +11,7 @@ use crate::scene::{Physics, Replicas, Scene};
 /// Overlap beyond which two spheres are no longer the ones that Hertz's law describes \[R\].
 pub const LARGEST_OVERLAP: f64 = 0.5;
 
-/// Kinetic energy per grain below which a run cannot be unstable \[E R³\]: instability saturates at 1e-5 (MEMORY §4).
+/// Kinetic energy per grain below which a run cannot be unstable \[E R³\]: instability saturates at 1e-5 (docs/choices.md §4).
 const QUIET: f64 = 1e-9;
 
 /// Why a replica was stopped.
@@ -62,7 +62,7 @@ impl Guard {
         seen: &Observation,
         alternation: Option<f64>,
     ) -> Result<(), Stop> {
-        // Compression stiffens contacts by less than 2 (√(0.06/0.02) of the overlaps, MEMORY §2), so by 1.4 in time.
+        // Compression stiffens contacts by less than 2 (√(0.06/0.02) of the overlaps, docs/choices.md §2), so by 1.4 in time.
         let suspicious = time_step > self.critical_at_start.at_least / 1.4;
         if !seen.is_finite() {
             return Err(self.blame(

@@ -15,7 +15,7 @@ pub mod state;
 pub(crate) mod train;
 pub mod waveform;
 
-/// Steps of one ramp: a multiple of 255, so that every sample is a step (MEMORY §3).
+/// Steps of one ramp: a multiple of 255, so that every sample is a step (docs/choices.md §3).
 #[must_use]
 pub fn ramp_steps(ramp: f64, time_step: f64) -> u64 {
     255 * (ramp / (255.0 * time_step)).ceil().max(1.0) as u64

@@ -52,7 +52,7 @@ pub fn move_box<R: Replicas, P: Physics>(scene: &mut Scene<R, P>, k: usize, to: 
 /// Drives the +z wall of a lone run to a pressure.
 ///
 /// The wall's speed is proportional to (p/p_z − 1) and clamped; it yields ten times slower than it advances.
-/// The pressure is smoothed over 20 t_c (MEMORY §3).
+/// The pressure is smoothed over 20 t_c (docs/choices.md §3).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Servo {
     /// p_z \[E\].

@@ -142,7 +142,7 @@ mod tests {
 
     #[test]
     fn union_matches_voxel_counts() {
-        // MEMORY §1: 200³ voxels give 9.648 and 6.932 for 𝒪 = 0.6, centers 0.4899 from the middle.
+        // docs/choices.md §1: 200³ voxels give 9.648 and 6.932 for 𝒪 = 0.6, centers 0.4899 from the middle.
         let body = Body::tetrahedron(0.6);
         assert!((body.mass - 9.648).abs() < 1e-3, "{}", body.mass);
         assert!((body.inertia - 6.932).abs() < 1e-3, "{}", body.inertia);

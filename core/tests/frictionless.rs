@@ -1,6 +1,6 @@
 //! What a frictionless scene does not model costs nothing, and leaving it out changes nothing.
 //!
-//! Source: HOUSE §6; ARCHITECTURE.md, invariant 6.
+//! Source: ARCHITECTURE.md, the invariants of the engine.
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;

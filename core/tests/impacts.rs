@@ -2,7 +2,7 @@
 //!
 //! Kinetic and rotational energy are compared before the grains touch and when they have parted for good, when no contact
 //! holds any: what a spring held when its contact opened is lost, as in the law.
-//! A pair meets at 0.2 to 1 times the fastest gas speed, 0.02 √3 R/t_c (MEMORY §3), at impact parameters uniform over the
+//! A pair meets at 0.2 to 1 times the fastest gas speed, 0.02 √3 R/t_c (docs/choices.md §3), at impact parameters uniform over the
 //! disc in which the grains can touch, with independent spins of uniform size and direction.
 //!
 //! Where it holds, and where not: at Δt = 0.1 t_c for spins up to 1/t_c, and at Δt = 1.5 t_c for spins up to 0.03/t_c, three

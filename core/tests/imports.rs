@@ -1,6 +1,6 @@
-//! Modules import only from those before them, and ARCHITECTURE.md names only files that exist.
+//! Modules import only from those before them and nothing from outside, and ARCHITECTURE.md names only files that exist.
 //!
-//! Source: HOUSE §3 and §11; the order is that of `lib.rs`.
+//! Source: the reading order of `lib.rs`.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -145,6 +145,31 @@ fn modules_import_only_from_those_before_them() {
         }
     }
     assert!(wrong.is_empty(), "{wrong:#?}");
+}
+
+#[test]
+fn the_engine_reaches_for_nothing_outside_and_keeps_nothing_global() {
+    let forbidden = [
+        "std::env",
+        "std::fs",
+        "std::io",
+        "std::net",
+        "std::process",
+        "std::thread",
+        "std::time",
+        "thread_local!",
+        "static mut ",
+        "LazyLock",
+        "OnceLock",
+    ];
+    for file in sources(&repository().join("core/src")) {
+        let code = read(&file);
+        let found: Vec<_> = forbidden
+            .iter()
+            .filter(|word| code.contains(**word))
+            .collect();
+        assert!(found.is_empty(), "{} names {found:?}", file.display());
+    }
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! Contact forces sum to zero and act at one point: free grains keep their linear and angular momentum.
 //!
-//! Newton's third law, and the contact point in the middle of the overlap (MEMORY §2): ARCHITECTURE.md, invariant 4.
+//! Newton's third law, and the contact point in the middle of the overlap (docs/choices.md §2).
 
 use granary_core::contact::TangentialLaw;
 use granary_core::contact::frictionless::Frictionless;

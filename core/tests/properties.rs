@@ -1,6 +1,6 @@
 //! Properties that hold for every packing: searches agree, actions equal reactions, nothing depends on the frame.
 //!
-//! Source: HOUSE §10.
+//! Source: Newton's third law, frame indifference, the Coulomb cone.
 
 use granary_core::contact::hooke::Hooke;
 use granary_core::contact::{Contact, TangentialLaw};

@@ -1,6 +1,6 @@
 //! Long validation: what a shortcut costs in 𝒢 and 𝓕, and whether the scores are where they must be.
 //!
-//! Source: MEMORY §§4, 6. Differences within one pack are sharp; the scores of small packs scatter by 20 %.
+//! Source: docs/choices.md §4 and docs/validation.md. Differences within one pack are sharp; the scores of small packs scatter by 20 %.
 //! Not part of the default run: `make validate WHAT=numerics` or `WHAT=packs`, by the feature `validation`.
 
 use granary_core::lanes::VectorWidth;
@@ -78,7 +78,7 @@ mod numerics {
 
     #[test]
     fn the_time_step_moves_the_score_by_less_than_half_a_percent() {
-        // MEMORY §4: 0.3 % and 0.006 over all steps from 0.1 to 1.9 t_c on one pack; the claim is 0.5 % and 0.008.
+        // docs/choices.md §4: 0.3 % and 0.006 over all steps from 0.1 to 1.9 t_c on one pack; the claim is 0.5 % and 0.008.
         let base = MemoryPoint {
             precision: Precision::F64,
             ..point(325, 1)
@@ -99,7 +99,7 @@ mod numerics {
 
     #[test]
     fn single_precision_keeps_the_score() {
-        // MEMORY §4: 118,664 Pa and 0.8748 in f32, 118,656 Pa and 0.8749 in f64.
+        // docs/choices.md §4: 118,664 Pa and 0.8748 in f32, 118,656 Pa and 0.8749 in f64.
         let base = point(325, 1);
         let packed = pack(&base);
         let [single, double] = [Precision::F32, Precision::F64].map(|precision| {

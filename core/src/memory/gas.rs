@@ -17,7 +17,7 @@ pub struct Lattice {
 }
 
 impl Lattice {
-    /// The paper's lattices for its numbers of grains; the last sites stay empty for others (MEMORY §1).
+    /// The paper's lattices for its numbers of grains; the last sites stay empty for others (docs/choices.md §1).
     #[must_use]
     pub fn new(grains: u32, body: &Body) -> Self {
         let nx = (libm::cbrt(f64::from(grains) / 2.3).round() as u32).max(1);

@@ -27,7 +27,7 @@ pub struct Preset {
     pub sentence: &'static str,
 }
 
-/// The presets of MEMORY §4: `standard` is the table's defaults.
+/// Named trades of cost against accuracy: `standard` is the table's defaults.
 pub const PRESETS: &[Preset] = &[
     Preset {
         name: "draft",
@@ -109,7 +109,7 @@ const fn choice(
 
 /// Every parameter of the memory experiment.
 ///
-/// Defaults are the paper's (Secs. II.1–II.3), what the paper leaves open is as in MEMORY §§2–3.
+/// Defaults are the paper's (Secs. II.1–II.3), what the paper leaves open is as in docs/choices.md §§2–3.
 pub const PARAMETERS: &[Parameter] = &[
     integer(
         Section::Fixed,

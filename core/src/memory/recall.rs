@@ -243,7 +243,7 @@ fn outcome<R: Replicas, P: Physics>(
     }
 }
 
-/// Correlation of the encode response with I(u): how quasi-static the encoding was (MEMORY §4).
+/// Correlation of the encode response with I(u): how quasi-static the encoding was (docs/choices.md §4).
 ///
 /// The training compression, which carried no waveform, is subtracted first; `None` for the zero waveform.
 fn encode_correlation(spec: &RecallSpec, past: &Past, p_xy: &[f64]) -> Option<f64> {

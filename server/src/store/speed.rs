@@ -12,7 +12,7 @@ use super::{StoreError, Writing};
 const SAMPLES: i64 = 101;
 
 /// Grain-steps per second of one core, summed over lanes, before anything was measured here:
-/// about half of what the trial engine reached (MEMORY §5).
+/// below what the engine reached where it was written (docs/speed.md).
 fn default_speed(class: &str) -> f64 {
     match class.split('/').collect::<Vec<_>>()[..] {
         ["recall", "sphere", "f32"] => 1e8,

@@ -19,7 +19,7 @@ use crate::wall::Walls;
 /// How fast the servo's wall may advance \[R/t_c\].
 pub(super) const SERVO_SPEED: f64 = 0.01;
 
-/// How long the servo may take \[t_c\]: ten times what packs need (MEMORY §3).
+/// How long the servo may take \[t_c\]: ten times what packs need (docs/choices.md §3).
 const SERVO_TIME: f64 = 250_000.0;
 
 /// How close the servo must be to its pressure.
