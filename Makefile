@@ -46,7 +46,7 @@ bench: ## time the engine on this machine, on a pack of its own
 validate: ## long physics checks: WHAT=numerics|packs
 	$(CARGO) test --release --locked -p granary-core --features validation --test validation -- --nocapture $(WHAT)
 
-verify: ## long service checks: WHAT=crash|intake
+verify: ## long service checks: WHAT=crash|intake|service
 	$(CARGO) build --release --locked
 	$(CARGO) test --release --locked -p granary-tests --features verification --test verification -- --nocapture $(WHAT)
 
