@@ -222,6 +222,14 @@ impl MemoryPoint {
                 self.gamma0, self.delta0
             ));
         }
+        if self.pack().shape == ShapeName::Sphere && self.drag == 0.0 {
+            warnings.push(
+                "spheres with drag = 0: in some packs rearrangements follow rounding errors, and one packing's fidelity is \
+                 uncertain by 0.1 and more; average over packings and compare with drag = 0.01 or longer ramps \
+                 (docs/validation.md)"
+                    .to_owned(),
+            );
+        }
         warnings
     }
 
@@ -360,6 +368,21 @@ mod tests {
             ..point("standard")
         };
         assert_eq!(tetra.pack(), sphere.pack());
+    }
+
+    #[test]
+    fn spheres_without_drag_are_warned_about_and_nothing_else_is() {
+        let sphere = MemoryPoint {
+            overlap: 1.0,
+            ..point("standard")
+        };
+        assert!(point("standard").warnings().is_empty());
+        assert_eq!(sphere.warnings().len(), 1);
+        let damped = MemoryPoint {
+            drag: 0.01,
+            ..sphere
+        };
+        assert!(damped.warnings().is_empty());
     }
 
     #[test]
