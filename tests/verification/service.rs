@@ -139,8 +139,7 @@ fn service_computes_64_points_64_times_with_workers_that_were_there_before_it() 
         for worker in &mut early {
             worker.line_with("worker started");
         }
-        let (_server, _) =
-            sandbox.serve(&["--data", "data", "--workers", "0", "--listen", &place]);
+        let (_server, _) = sandbox.serve(&["--data", "data", "--workers", "0", "--listen", &place]);
         let sweep = submit(&sandbox, "64.toml", &address);
         assert_eq!(finish(&sandbox, &address, &sweep), 64);
         let done = sum(&sandbox, &address, "done");
