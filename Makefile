@@ -48,7 +48,7 @@ validate: ## long physics checks: WHAT=numerics|packs
 
 verify: ## long service checks: WHAT=crash|intake|service
 	$(CARGO) build --release --locked
-	$(CARGO) test --release --locked -p granary-tests --features verification --test verification -- --nocapture $(WHAT)
+	$(CARGO) test --release --locked -p granary-tests --features verification --test verification -- --nocapture --test-threads 1 $(WHAT)
 
 e2e: web ## the page in Debian's Chromium, against the real binary
 	command -v chromium >/dev/null || (apt-get update && apt-get install -y chromium)
