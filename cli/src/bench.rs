@@ -1,6 +1,10 @@
-//! `granary bench`: times the engine on this machine.
+//! `granary bench`: times the engine on this machine, beside LAMMPS if that is there.
+
+mod beside;
+mod lammps;
 
 use std::path::{Path, PathBuf};
+use std::sync::Barrier;
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, bail};
@@ -13,7 +17,8 @@ use granary_worker::machine;
 use serde_json::{Value, json};
 
 use crate::failure::Done;
-use crate::{output, table};
+use crate::{interrupt, output, table};
+use lammps::Lammps;
 
 /// Steps before the clock starts: the list is built and the caches are warm.
 const WARM_UP: u64 = 50;
@@ -56,6 +61,13 @@ pub(crate) struct Args {
     /// Vector instructions: portable, avx2 or avx512; the widest by default.
     #[arg(long)]
     width: Option<String>,
+    /// A LAMMPS program to time in turn with the engine, by CPU time: same pack, laws, skin and time step.
+    #[arg(long, value_name = "LMP", conflicts_with = "threads")]
+    beside: Option<PathBuf>,
+    /// How often each of the two is timed.
+    #[arg(long, value_name = "N", default_value_t = 5, requires = "beside")]
+    #[arg(value_parser = clap::value_parser!(u8).range(1..=99))]
+    repeats: u8,
     /// Print the figures as JSON.
     #[arg(long)]
     json: bool,
@@ -81,8 +93,33 @@ struct Timed {
     cpu: Duration,
 }
 
+/// A pack, how it is to be timed, and for how long.
+struct Job {
+    pack: PackFile,
+    settings: Settings,
+    limit: Duration,
+}
+
 /// Times and prints.
-pub(crate) fn run(args: &Args) -> anyhow::Result<Done> {
+pub(crate) async fn run(args: &Args) -> anyhow::Result<Done> {
+    let Some(program) = &args.beside else {
+        let job = job(args)?;
+        let timed = time_all(&job, args.threads.max(1))?;
+        return print(&figures(&timed, &job), args.json);
+    };
+    // Before a pack is made: LAMMPS may be missing.
+    let lammps = Lammps::find(program).await?;
+    let job = job(args)?;
+    tokio::select! {
+        // The user's word reaches LAMMPS too, whose end then is no failure.
+        biased;
+        interrupted = interrupt::wait() => interrupted.map(|()| Done::Interrupted),
+        figures = beside::time(&job, &lammps, args.repeats) => print(&figures?, args.json),
+    }
+}
+
+/// What the arguments ask for.
+fn job(args: &Args) -> anyhow::Result<Job> {
     let pack = match &args.pack {
         Some(path) => read(path)?,
         None => make(args.shape, args.grains)?,
@@ -98,15 +135,31 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<Done> {
         width: width(args.width.as_deref())?,
     };
     let limit = Duration::try_from_secs_f64(args.seconds).context("--seconds is no duration")?;
-    let timed = time_all(&pack, &settings, limit, args.threads.max(1))?;
-    let figures = figures(&timed, &settings, &pack);
-    if args.json {
-        output::json(&figures)?;
-    } else if let Some(figures) = figures.as_object() {
-        for (name, value) in figures {
-            let value = table::parameter(Some(value));
-            output::line(&format!("{name:26} {value}"))?;
-        }
+    Ok(Job {
+        pack,
+        settings,
+        limit,
+    })
+}
+
+fn print(figures: &Value, as_json: bool) -> anyhow::Result<Done> {
+    if as_json {
+        output::json(figures)?;
+        return Ok(Done::Complete);
+    }
+    let Some(figures) = figures.as_object() else {
+        return Ok(Done::Complete);
+    };
+    let widest = figures.keys().map(String::len).max().unwrap_or_default();
+    for (name, value) in figures {
+        let value = match value {
+            Value::Array(values) => {
+                let values = values.iter().map(|value| table::parameter(Some(value)));
+                values.collect::<Vec<_>>().join(" ")
+            }
+            value => table::parameter(Some(value)),
+        };
+        output::line(&format!("{name:widest$} {value}"))?;
     }
     Ok(Done::Complete)
 }
@@ -186,15 +239,10 @@ fn pack_file(point: &MemoryPoint, state: &PackState) -> PackFile {
 }
 
 /// Steps one scene per thread, all at once.
-fn time_all(
-    pack: &PackFile,
-    settings: &Settings,
-    limit: Duration,
-    threads: usize,
-) -> anyhow::Result<Vec<Timed>> {
-    let start = std::sync::Barrier::new(threads);
+fn time_all(job: &Job, threads: usize) -> anyhow::Result<Vec<Timed>> {
+    let start = Barrier::new(threads);
     let timed: Vec<Option<Timed>> = std::thread::scope(|scope| {
-        let one = || time(pack, settings, limit, &start);
+        let one = || time(job, &start);
         let running: Vec<_> = (0..threads).map(|_| scope.spawn(one)).collect();
         let ended = running
             .into_iter()
@@ -206,26 +254,21 @@ fn time_all(
         Some(timed) => Ok(timed),
         None => bail!(
             "{} lanes of {:?} on a pack of `{}` are not compiled",
-            settings.lanes,
-            settings.precision,
-            pack.kind
+            job.settings.lanes,
+            job.settings.precision,
+            job.pack.kind
         ),
     }
 }
 
-fn time(
-    pack: &PackFile,
-    settings: &Settings,
-    limit: Duration,
-    start: &std::sync::Barrier,
-) -> Option<Timed> {
-    let scene = bench(pack, settings);
+fn time(job: &Job, start: &Barrier) -> Option<Timed> {
+    let scene = bench(&job.pack, &job.settings);
     start.wait();
     let mut scene = scene?;
     scene.run(WARM_UP);
     let (wall, cpu) = (Instant::now(), machine::thread_cpu_time());
     let mut steps = 0;
-    while wall.elapsed() < limit || steps == 0 {
+    while wall.elapsed() < job.limit || steps == 0 {
         scene.run(CHUNK);
         steps += CHUNK;
     }
@@ -238,8 +281,8 @@ fn time(
 }
 
 /// Rates are sums over threads, by the wall clock; `cpu_share` is below 1 where the machine had other work.
-fn figures(timed: &[Timed], settings: &Settings, pack: &PackFile) -> Value {
-    let size = timed[0].size;
+fn figures(timed: &[Timed], job: &Job) -> Value {
+    let (size, settings) = (timed[0].size, &job.settings);
     let steps_per_second: f64 = timed
         .iter()
         .map(|timed| timed.steps as f64 / timed.wall.as_secs_f64())
@@ -263,7 +306,7 @@ fn figures(timed: &[Timed], settings: &Settings, pack: &PackFile) -> Value {
         "threads": timed.len(),
         "steps": timed.iter().map(|timed| timed.steps).sum::<u64>(),
         "list_renewals": size.renewals,
-        "pack": pack.kind,
+        "pack": job.pack.kind,
         "precision": settings.precision,
         "vectors": settings.width.name(),
         "skin": settings.skin,

@@ -53,7 +53,7 @@ impl Command {
             Self::Replay(args) => replay::run(args).await,
             Self::Health(args) => health::run(args).await,
             Self::Workers(args) => workers::run(args).await,
-            Self::Bench(args) => bench::run(&args),
+            Self::Bench(args) => bench::run(&args).await,
             Self::Models(args) => models::run(&args),
             Self::Openapi(args) => openapi::run(&args),
             Self::Token(args) => token::run(args).await,

@@ -10,7 +10,7 @@ use crate::lanes::{F32x8, F32x16, F64x1, F64x8, VectorWidth};
 use crate::material::{Material, Units};
 use crate::memory::spec::{Precision, ShapeName};
 use crate::scene::{Laws, Physics, Replicas, Scene, With};
-use crate::shape::{Body, Sphere, Tetrahedron};
+use crate::shape::{Body, Shape, Sphere, Tetrahedron};
 use crate::wall::Walls;
 
 /// A packing at rest, as in the peers' pack files: SI units, walls at 0 and `r#box[axis][1]`.
@@ -36,6 +36,83 @@ pub struct PackFile {
     /// Orientations of tetrahedra, (x, y, z, w).
     #[serde(default)]
     pub quat: Vec<[f64; 4]>,
+}
+
+/// ν of silicone rubber.
+pub const POISSON_RATIO: f64 = 0.49;
+/// E of silicone rubber \[Pa\].
+const YOUNGS_MODULUS: f64 = 1e7;
+/// γ_n/k_n \[t_c\].
+const NORMAL_DAMPING: f64 = 0.23;
+/// k_H \[N/m\].
+const STIFFNESS: f64 = 670.0;
+/// γ_H/k_H over γ_n/k_n.
+const RELATIVE_DAMPING: f64 = 0.3;
+
+impl PackFile {
+    /// The shape of its grains; `None` if `kind` names none.
+    #[must_use]
+    pub fn shape(&self) -> Option<ShapeName> {
+        match self.kind.as_str() {
+            "spheres" => Some(ShapeName::Sphere),
+            "tetra" => Some(ShapeName::Tetrahedron),
+            _ => None,
+        }
+    }
+
+    /// The rigid body of every grain; `None` as of [`PackFile::shape`].
+    #[must_use]
+    pub fn body(&self) -> Option<Body> {
+        self.shape().map(|shape| match shape {
+            ShapeName::Sphere => Body::sphere(),
+            ShapeName::Tetrahedron => Body::tetrahedron(self.overlap),
+        })
+    }
+
+    /// Every grain, in the order of the file; no grain without a shape.
+    #[must_use]
+    pub fn poses(&self) -> Vec<Pose> {
+        let pose = |place: [f64; 3], orientation| Pose {
+            position: place.map(|x| x / self.radius),
+            orientation,
+        };
+        match self.shape() {
+            None => vec![],
+            Some(ShapeName::Sphere) => {
+                let places = self.positions.iter();
+                places.map(|&place| pose(place, UPRIGHT)).collect()
+            }
+            Some(ShapeName::Tetrahedron) => {
+                let placed = self.com.iter().zip(&self.quat);
+                placed
+                    .map(|(&place, &[x, y, z, w])| pose(place, [w, x, y, z]))
+                    .collect()
+            }
+        }
+    }
+
+    /// The units in which its scene is computed.
+    #[must_use]
+    pub fn units(&self) -> Units {
+        Units::new(self.radius, self.density, YOUNGS_MODULUS)
+    }
+}
+
+/// The normal law of every bench: silicone rubber.
+#[must_use]
+pub fn material() -> Material {
+    Material::new(POISSON_RATIO, NORMAL_DAMPING, std::f64::consts::SQRT_2)
+}
+
+/// The tangential law of every bench: law H with μ = 1.
+#[must_use]
+pub fn friction(units: &Units) -> Hooke {
+    let stiffness = units.stiffness_from_si(STIFFNESS);
+    Hooke {
+        stiffness,
+        damping: RELATIVE_DAMPING * NORMAL_DAMPING * stiffness,
+        friction_coefficient: 1.0,
+    }
 }
 
 /// How to time.
@@ -104,84 +181,40 @@ impl<R: Replicas, P: Physics> Bench for Scene<R, P> {
 /// A scene of `pack` to time; `None` for a combination that is not compiled.
 #[must_use]
 pub fn bench(pack: &PackFile, settings: &Settings) -> Option<Box<dyn Bench>> {
-    match pack.kind.as_str() {
-        "spheres" => with_shape::<Sphere>(pack, settings, Body::sphere(), ShapeName::Sphere),
-        "tetra" => with_shape::<Tetrahedron>(
-            pack,
-            settings,
-            Body::tetrahedron(pack.overlap),
-            ShapeName::Tetrahedron,
-        ),
-        _ => None,
+    match pack.shape()? {
+        ShapeName::Sphere => with_shape::<Sphere>(pack, settings),
+        ShapeName::Tetrahedron => with_shape::<Tetrahedron>(pack, settings),
     }
 }
 
-fn with_shape<S: crate::shape::Shape>(
-    pack: &PackFile,
-    settings: &Settings,
-    body: Body,
-    shape: ShapeName,
-) -> Option<Box<dyn Bench>> {
+fn with_shape<S: Shape>(pack: &PackFile, settings: &Settings) -> Option<Box<dyn Bench>> {
     match (settings.precision, settings.lanes) {
-        (Precision::F64, 1) => Some(scene::<F64x1, S>(pack, settings, body, shape)),
-        (Precision::F64, 8) => Some(scene::<F64x8, S>(pack, settings, body, shape)),
-        (Precision::F32, 8) => Some(scene::<F32x8, S>(pack, settings, body, shape)),
-        (Precision::F32, 16) => Some(scene::<F32x16, S>(pack, settings, body, shape)),
+        (Precision::F64, 1) => scene::<F64x1, S>(pack, settings),
+        (Precision::F64, 8) => scene::<F64x8, S>(pack, settings),
+        (Precision::F32, 8) => scene::<F32x8, S>(pack, settings),
+        (Precision::F32, 16) => scene::<F32x16, S>(pack, settings),
         _ => None,
     }
 }
 
-fn scene<R: Replicas, S: crate::shape::Shape>(
-    pack: &PackFile,
-    settings: &Settings,
-    body: Body,
-    shape: ShapeName,
-) -> Box<dyn Bench> {
-    let per_radius = |point: [f64; 3]| point.map(|x| x / pack.radius);
-    let reference: Vec<Pose> = match shape {
-        ShapeName::Sphere => pack
-            .positions
-            .iter()
-            .map(|&p| Pose {
-                position: per_radius(p),
-                orientation: UPRIGHT,
-            })
-            .collect(),
-        ShapeName::Tetrahedron => pack
-            .com
-            .iter()
-            .zip(&pack.quat)
-            .map(|(&p, &[x, y, z, w])| Pose {
-                position: per_radius(p),
-                orientation: [w, x, y, z],
-            })
-            .collect(),
-    };
-    let order = crate::grains::spatial_order(&reference);
-    let reference = order.into_iter().map(|i| reference[i]).collect();
-    // The peers' parameters: silicone rubber, k_H = 670 N/m, μ = 1.
-    let units = Units::new(pack.radius, pack.density, 1e7);
-    let stiffness = units.stiffness_from_si(670.0);
+fn scene<R: Replicas, S: Shape>(pack: &PackFile, settings: &Settings) -> Option<Box<dyn Bench>> {
+    let poses = pack.poses();
+    let order = crate::grains::spatial_order(&poses);
+    let reference = order.into_iter().map(|i| poses[i]).collect();
     let laws: Laws<With<S, Hooke, ()>> = Laws {
-        body,
-        material: Material::new(0.49, 0.23, std::f64::consts::SQRT_2),
-        tangential: Hooke {
-            stiffness,
-            damping: 0.3 * 0.23 * stiffness,
-            friction_coefficient: 1.0,
-        },
+        body: pack.body()?,
+        material: material(),
+        tangential: friction(&pack.units()),
         body_force: (),
         time_step: settings.time_step,
         skin: settings.skin,
         width: settings.width,
     };
     let grains = Grains::at_rest(reference, &laws.body, true);
-    let walls: Vec<f64> = pack
-        .r#box
-        .iter()
-        .flatten()
-        .map(|x| x / pack.radius)
-        .collect();
+    let walls = pack.r#box.iter().flatten();
+    let walls: Vec<f64> = walls.map(|x| x / pack.radius).collect();
     let walls = Walls::at_rest(walls.try_into().unwrap_or_default());
-    Box::new(Scene::<R, With<S, Hooke, ()>>::new(laws, grains, walls))
+    Some(Box::new(Scene::<R, With<S, Hooke, ()>>::new(
+        laws, grains, walls,
+    )))
 }

@@ -100,6 +100,75 @@ fn bench_reports_the_figures_that_scripts_read() {
     }
 }
 
+/// Two spheres that touch, between walls far off.
+const TWO_SPHERES: &str = r#"{"kind": "spheres", "radius": 5e-4, "density": 1200,
+    "box": [[0, 2e-3], [0, 2e-3], [0, 3e-3]], "positions": [[1e-3, 1e-3, 1e-3], [1e-3, 1e-3, 1.95e-3]]}"#;
+
+/// A program that says it is LAMMPS, and then does as `body` says.
+fn straw_lammps(sandbox: &Sandbox, body: &str) {
+    use std::os::unix::fs::PermissionsExt;
+    let greeting = "Large-scale Atomic/Molecular Massively Parallel Simulator - of straw";
+    let text = format!("#!/bin/sh\n[ $1 = -help ] && echo '{greeting}' && exit\n{body}\n");
+    sandbox.write("lmp", &text);
+    let executable = std::fs::Permissions::from_mode(0o755);
+    std::fs::set_permissions(sandbox.path("lmp"), executable).expect("is ours");
+}
+
+#[test]
+fn bench_beside_lammps_pairs_its_runs_and_says_what_went_wrong() {
+    let sandbox = Sandbox::new();
+    sandbox.write("pack.json", TWO_SPHERES);
+    std::fs::create_dir(sandbox.path("tmp")).expect("is new");
+    let bench = |more: &[&str]| {
+        let pack = ["bench", "--pack", "pack.json", "--seconds", "0.05"];
+        let mut command = sandbox.command(&[&pack[..], more].concat());
+        command.env("TMPDIR", sandbox.path("tmp"));
+        let output = command.output().expect("granary starts");
+        let words =
+            [output.stdout, output.stderr].map(|text| String::from_utf8_lossy(&text).into_owned());
+        (output.status.code(), words)
+    };
+    let beside = ["--beside", "./lmp", "--repeats", "3", "--json"];
+    let refused = |words: &str| {
+        let (code, [_, stderr]) = bench(&beside);
+        assert_eq!(code, Some(1), "{stderr}");
+        assert!(
+            stderr.contains("lmp`") && stderr.contains(words),
+            "{stderr}"
+        );
+    };
+    refused("No such file");
+    straw_lammps(
+        &sandbox,
+        "echo 'ERROR: Unknown pair style' > log.lammps; exit 7",
+    );
+    refused("(exit status: 7):\n  ERROR: Unknown pair style");
+    straw_lammps(&sandbox, "cp in.bench log.lammps");
+    refused("does not time 125000 steps");
+    let steps = "$(sed -n '$ s/run //p' in.bench)";
+    let timed = format!("Loop time of 0.5 on 1 procs for {steps} steps with 2 atoms");
+    let shared = "80.0% CPU use with 1 MPI tasks";
+    let figures = format!("echo \"{timed}\n{shared}\" > log.lammps");
+    straw_lammps(&sandbox, &figures);
+    let (code, [stdout, stderr]) = bench(&beside);
+    assert_eq!(code, Some(0), "{stderr}");
+    let figures: serde_json::Value = serde_json::from_str(&stdout).expect("is JSON");
+    // Two grains, 125,000 steps, 0.5 s of which 80 % were LAMMPS' own.
+    let rate = figures["lammps_median_grain_steps_per_cpu_second"].as_f64();
+    assert_eq!(rate, Some(625_000.0));
+    let ratios = figures["ratios"].as_array().expect("a list");
+    assert!(
+        ratios.len() == 3 && ratios.contains(&figures["median_ratio"]),
+        "{figures}"
+    );
+    assert_eq!(figures["lammps_version"], "of straw");
+    let left = std::fs::read_dir(sandbox.path("tmp")).expect("is there");
+    assert_eq!(left.count(), 0, "LAMMPS' directories are removed");
+    // Rates are of one thread, and without LAMMPS there are no pairs.
+    assert_eq!(bench(&["--beside", "./lmp", "--threads", "2"]).0, Some(2));
+    assert_eq!(bench(&["--repeats", "3"]).0, Some(2));
+}
+
 #[test]
 fn models_openapi_and_health_speak_json() {
     let sandbox = Sandbox::new();
