@@ -148,18 +148,19 @@ pub trait Lane:
         rows.each_ref().map(Self::load)
     }
 
-    /// Four vectors as K records of four numbers; undoes [`Lane::gather`].
+    /// Eight vectors of eight, turned about: lane `e` of vector `n` becomes lane `n` of vector `e`. Only for K = 8.
     #[inline(always)]
-    fn scatter(vectors: [Self; 4], records: &mut [[Self::Scalar; 4]]) {
-        let mut rows = [Self::Row::default(); 4];
-        for (row, vector) in rows.iter_mut().zip(vectors) {
-            vector.store(row);
-        }
-        for (e, record) in records.iter_mut().enumerate().take(Self::K) {
-            for (number, row) in record.iter_mut().zip(&rows) {
-                *number = row.lanes()[e];
+    #[must_use]
+    fn transposed(vectors: [Self; 8]) -> [Self; 8] {
+        let mut rows = [Self::Row::default(); 8];
+        for (n, vector) in vectors.into_iter().enumerate() {
+            let mut row = Self::Row::default();
+            vector.store(&mut row);
+            for (to, &number) in rows.iter_mut().zip(row.lanes()) {
+                to.lanes_mut()[n] = number;
             }
         }
+        rows.each_ref().map(Self::load)
     }
 
     /// A constant of the physics in every replica.

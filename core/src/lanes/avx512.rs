@@ -169,16 +169,16 @@ fn both(low: &[f64; 4], high: &[f64; 4]) -> __m512d {
     }
 }
 
-/// Writes records `e` and `e + 4` from one register.
+/// The lower halves of two registers, or the upper ones.
 #[inline(always)]
-fn part(pair: __m512d, records: &mut [[f64; 4]], e: usize) {
+fn half(upper: usize, first: __m512d, second: __m512d) -> __m512d {
     #[expect(unsafe_code, reason = "only reached through `enter`")]
     unsafe {
-        _mm256_storeu_pd(records[e].as_mut_ptr(), _mm512_castpd512_pd256(pair));
-        _mm256_storeu_pd(
-            records[e + 4].as_mut_ptr(),
-            _mm512_extractf64x4_pd::<1>(pair),
-        );
+        if upper == 0 {
+            _mm512_shuffle_f64x2::<0x44>(first, second)
+        } else {
+            _mm512_shuffle_f64x2::<0xEE>(first, second)
+        }
     }
 }
 
@@ -218,14 +218,10 @@ avx512! {
     }
 
     #[inline(always)]
-    fn scatter(vectors: [Self; 4], records: &mut [[f64; 4]]) {
-        let [a, b, c, d] = vectors;
-        let [a, b, c, d] = transposed([a.0, b.0, c.0, d.0]);
-        assert!(records.len() >= Self::K);
-        part(a, records, 0);
-        part(b, records, 1);
-        part(c, records, 2);
-        part(d, records, 3);
+    fn transposed([a, b, c, d, e, f, g, h]: [Self; 8]) -> [Self; 8] {
+        let low = transposed([a.0, b.0, c.0, d.0]);
+        let high = transposed([e.0, f.0, g.0, h.0]);
+        std::array::from_fn(|n| Self(half(n / 4, low[n % 4], high[n % 4])))
     }
 }
 

@@ -1,28 +1,25 @@
 //! One step of a lone run: every lane is a contact, or a grain.
 //!
-//! Candidates are tested one by one; those that touch are gathered eight at a time, across rows, and their forces found
-//! side by side.
+//! Candidates are taken eight at a time, across rows, and their forces found side by side.
 //! Grains are placed and moved eight at a time.
 //! Forces are added in the order of the list, so the sums are those of an ensemble's lane, bit for bit.
 
 mod eight;
 mod records;
-mod touching;
 
 use crate::contact::{Components, TangentialLaw};
 use crate::force::AffineRate;
 use crate::grains::Grains;
-use crate::lanes::{F64x1, F64x8, Kernel, Lane};
+use crate::lanes::{F64x1, F64x8, Kernel, Lane, Mask};
 use crate::math::Vec3;
 use crate::wall::{MAX_LANES, WALLS, Walls};
 
 use eight::Eight;
 pub(super) use records::Records;
-use records::{Pair, fours, fours_if, vector};
-use touching::{MANY, Touching};
+use records::{Ball, halves, records};
 
-use super::contacts::Contacts;
-use super::interact::{Branch, Constants, Geometry, geometry, interact};
+use super::contacts::{Candidate, Contacts};
+use super::interact::{Constants, branch, geometry, interact};
 use super::motion::{Fastest, Load, MotionConstants, RowGrain, advance, push_of_wall};
 use super::{Physics, Scene};
 
@@ -50,10 +47,7 @@ impl<P: Physics> Kernel<F64x8> for LoneStep<'_, P> {
         } = self.scene;
         work.write::<W, P>(grains);
         let constants = Constants::<W, P::Tangential>::new(laws);
-        let mut touching = Touching::none();
-        for first in (0..contacts.candidates.len()).step_by(MANY) {
-            interact_many::<W, P>(&constants, first, &mut touching, work, contacts);
-        }
+        interact_all::<W, P>(&constants, work, contacts);
         let motion = MotionConstants::<F64x1>::new(laws);
         push_of_walls::<P>(&motion, grains, contacts, walls, &mut work.loads);
 
@@ -89,109 +83,105 @@ fn everywhere(vector: &Vec3<F64x1>) -> Vec3<F64x8> {
     }
 }
 
-/// The geometry of pairs that are not.
-const NOWHERE: Geometry<F64x8> = Geometry {
-    normal: Vec3 {
-        x: F64x8([0.0; WIDE]),
-        y: F64x8([0.0; WIDE]),
-        z: F64x8([0.0; WIDE]),
-    },
-    overlap: F64x8([0.0; WIDE]),
-    root_overlap: F64x8([0.0; WIDE]),
-};
+/// Adds the forces of all candidates, in the order of the list.
+#[inline(always)]
+fn interact_all<W: Lane<Row = F64x8, Scalar = f64>, P: Physics>(
+    constants: &Constants<W, P::Tangential>,
+    work: &mut Records,
+    contacts: &mut Contacts<F64x1, P::Tangential>,
+) {
+    let (candidates, last_candidates) = contacts.candidates.as_chunks();
+    let (histories, last_histories) = contacts.histories.as_chunks_mut();
+    let (live, last_live) = contacts.live.as_chunks_mut();
+    for ((candidates, histories), live) in candidates.iter().zip(histories).zip(live) {
+        interact_eight::<W, P>(
+            constants,
+            W::constant(0.0),
+            candidates,
+            (histories, live),
+            work,
+        );
+    }
+    let count = last_candidates.len();
+    if count > 0 {
+        let nth = |e: usize| e.min(count - 1);
+        let mut histories = std::array::from_fn(|e| last_histories[nth(e)]);
+        let mut live = std::array::from_fn(|e| last_live[nth(e)]);
+        interact_eight::<W, P>(
+            constants,
+            excess_below(count),
+            &std::array::from_fn(|e| last_candidates[nth(e)]),
+            (&mut histories, &mut live),
+            work,
+        );
+        last_histories.copy_from_slice(&histories[..count]);
+        last_live.copy_from_slice(&live[..count]);
+    }
+}
 
-/// Adds the forces of those of the next candidates that touch, in their order.
+/// 0 in the first `count` lanes; in the others nothing is smaller.
+fn excess_below<W: Lane<Row = F64x8, Scalar = f64>>(count: usize) -> W {
+    let bound = |e| if e < count { 0.0 } else { f64::NEG_INFINITY };
+    W::load(&F64x8(std::array::from_fn(bound)))
+}
+
+/// Adds the forces of those of eight candidates whose excess is below `bound`.
 ///
-/// A loop for each part, so that long chains of roots and divisions of different pairs overlap.
+/// The others add an exact zero, which changes no sum: a sum that starts at +0 is never −0.
 #[inline(always)]
-fn interact_many<W: Lane<Row = F64x8, Scalar = f64>, P: Physics>(
+fn interact_eight<W: Lane<Row = F64x8, Scalar = f64>, P: Physics>(
     constants: &Constants<W, P::Tangential>,
-    first: usize,
-    touching: &mut Touching,
+    bound: W,
+    candidates: &[Candidate<f64>; WIDE],
+    (histories, live): (
+        &mut [<P::Tangential as TangentialLaw>::History<F64x1>; WIDE],
+        &mut [bool; WIDE],
+    ),
     work: &mut Records,
-    contacts: &mut Contacts<F64x1, P::Tangential>,
 ) {
-    let end = contacts.candidates.len().min(first + MANY);
-    touching.find::<P>(first, work, &contacts.candidates[first..end]);
-    forget::<P>(first, &touching.all[..end - first], contacts);
-    let mut geometries = [NOWHERE; MANY / WIDE];
-    let batches = touching.len.div_ceil(WIDE);
-    for (rows, branch) in geometries.iter_mut().zip(&touching.branches).take(batches) {
-        let geometry = geometry(Branch {
-            vector: branch.vector.load::<W>(),
-            excess: W::load(&branch.excess),
-        });
-        geometry.normal.store(&mut rows.normal);
-        geometry.overlap.store(&mut rows.overlap);
-        geometry.root_overlap.store(&mut rows.root_overlap);
-    }
-    let (eights, _) = touching.candidates.as_chunks::<WIDE>();
-    for (n, (rows, eight)) in geometries.iter().zip(eights).take(batches).enumerate() {
-        let count = WIDE.min(touching.len - WIDE * n);
-        push::<W, P>(constants, (eight, count), rows, work, contacts);
-    }
-}
-
-/// Forgets what the pairs that parted remember.
-#[inline(always)]
-fn forget<P: Physics>(
-    first: usize,
-    touching: &[bool],
-    contacts: &mut Contacts<F64x1, P::Tangential>,
-) {
-    let live = &mut contacts.live[first..first + touching.len()];
-    if live != touching {
-        for (e, (live, &touches)) in live.iter_mut().zip(touching).enumerate() {
-            if *live && !touches {
-                contacts.histories[first + e] = Components::from_fn(|_| F64x1::default());
-            }
+    let of_i = candidates.each_ref().map(Ball::i::<P>);
+    let of_j = candidates.each_ref().map(Ball::j::<P>);
+    let change = work.shifted::<W>(&of_i) - work.shifted::<W>(&of_j);
+    let branch = branch(W::gather(|e| &candidates[e].reference), change);
+    let touching = branch.excess.lt(bound);
+    let touches: [bool; WIDE] = std::array::from_fn(|e| touching.bits() >> e & 1 == 1);
+    if !touching.any() {
+        if *live != touches {
             *live = touches;
+            *histories = [Components::from_fn(|_| F64x1::default()); WIDE];
+        }
+        return;
+    }
+    *live = touches;
+    let mut history = <P::Tangential as TangentialLaw>::History::<W>::from_fn(|n| {
+        let number = |e: usize| histories[e].as_slice()[n].0[0];
+        W::load(&F64x8(std::array::from_fn(number)))
+    });
+    let action = interact::<W, P>(
+        constants,
+        &geometry(branch),
+        &work.partner::<W, P>(&of_i),
+        &work.partner::<W, P>(&of_j),
+        &mut history,
+    );
+    for (n, lanes) in history.as_slice().iter().enumerate() {
+        let mut row = F64x8::default();
+        lanes.keep(touching).store(&mut row);
+        for (history, number) in histories.iter_mut().zip(row.0) {
+            history.as_mut_slice()[n].0[0] = number;
         }
     }
-}
-
-/// Adds the forces of the first `count` of eight pairs.
-#[inline(always)]
-fn push<W: Lane<Row = F64x8, Scalar = f64>, P: Physics>(
-    constants: &Constants<W, P::Tangential>,
-    (queued, count): (&[u32; WIDE], usize),
-    geometry: &Geometry<F64x8>,
-    work: &mut Records,
-    contacts: &mut Contacts<F64x1, P::Tangential>,
-) {
-    let geometry = Geometry {
-        normal: geometry.normal.load(),
-        overlap: W::load(&geometry.overlap),
-        root_overlap: W::load(&geometry.root_overlap),
-    };
-    let eight = queued.map(|c| &contacts.candidates[c as usize]);
-    let i = work.partner::<W, P>(eight.map(|c| (c.i, c.a)));
-    let j = work.partner::<W, P>(eight.map(|c| (c.j, c.b)));
-    let mut rows =
-        <P::Tangential as TangentialLaw>::History::<F64x8>::from_fn(|_| F64x8::default());
-    for (n, row) in rows.as_mut_slice().iter_mut().enumerate() {
-        for (number, &c) in row.0.iter_mut().zip(queued) {
-            *number = contacts.histories[c as usize].as_slice()[n].0[0];
-        }
+    let force = action.force.keep(touching);
+    let (mut on_i, mut on_j) = (Vec3::zero(), Vec3::zero());
+    if P::SPINS {
+        on_i = action.torque_i().keep(touching);
+        on_j = action.torque_j().keep(touching);
     }
-    let mut history =
-        <P::Tangential as TangentialLaw>::History::<W>::from_fn(|n| W::load(&rows.as_slice()[n]));
-    let action = interact::<W, P>(constants, &geometry, &i, &j, &mut history);
-    for (n, row) in rows.as_mut_slice().iter_mut().enumerate() {
-        history.as_slice()[n].store(row);
-    }
-    let forces = fours(action.force);
-    let opposite = fours(action.force.scale(W::constant(-1.0)));
-    let turning_i = fours_if(P::SPINS, action.torque_i());
-    let turning_j = fours_if(P::SPINS, action.torque_j());
-    let (i, j) = (eight.map(|c| c.i as usize), eight.map(|c| c.j as usize));
-    for e in 0..count {
-        let history = contacts.histories[queued[e] as usize].as_mut_slice();
-        for (to, row) in history.iter_mut().zip(rows.as_slice()) {
-            to.0[0] = row.0[e];
-        }
-        work.loads[i[e]].add::<P>(&forces[e], &turning_i[e]);
-        work.loads[j[e]].add::<P>(&opposite[e], &turning_j[e]);
+    let on_i = records(force, on_i);
+    let on_j = records(force.scale(W::constant(-1.0)), on_j);
+    for e in 0..WIDE {
+        work.add(of_i[e].grain, on_i[e]);
+        work.add(of_j[e].grain, on_j[e]);
     }
 }
 
@@ -202,7 +192,7 @@ fn push_of_walls<P: Physics>(
     grains: &Grains<F64x1>,
     contacts: &Contacts<F64x1, P::Tangential>,
     walls: &mut Walls<F64x1>,
-    loads: &mut [Pair],
+    loads: &mut [F64x8],
 ) {
     walls.force = [[0.0; MAX_LANES]; WALLS];
     for (i, sum) in loads.iter_mut().enumerate() {
@@ -211,13 +201,16 @@ fn push_of_walls<P: Physics>(
             continue;
         }
         let at = RowGrain::<F64x1>::load::<P>(grains, i);
-        let [force, torque] = sum.0.map(|four| vector(four.map(|x| F64x1([x]))));
+        let [force, torque] = halves(sum).map(|&[x, y, z, _]| Vec3 {
+            x: F64x1([x]),
+            y: F64x1([y]),
+            z: F64x1([z]),
+        });
         let mut load = Load { force, torque };
         for candidate in &contacts.wall_candidates[candidates] {
             push_of_wall::<F64x1, P>(motion, &at, candidate, walls, &mut load);
         }
-        for (four, v) in sum.0.iter_mut().zip([load.force, load.torque]) {
-            *four = [v.x.0[0], v.y.0[0], v.z.0[0], 0.0];
-        }
+        let sums = [load.force, load.torque].map(|v| [v.x.0[0], v.y.0[0], v.z.0[0], 0.0]);
+        sum.0.copy_from_slice(sums.as_flattened());
     }
 }

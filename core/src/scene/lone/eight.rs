@@ -17,15 +17,16 @@ pub(super) struct Eight {
 
 impl Eight {
     #[inline(always)]
-    pub(super) fn from(first: usize, grains: usize) -> Self {
+    pub(super) fn from(first: usize, len: usize) -> Self {
         Self {
             first,
-            count: WIDE.min(grains - first),
+            count: WIDE.min(len - first),
         }
     }
 
+    /// The grain in lane `e`.
     #[inline(always)]
-    pub(super) fn grain(self, e: usize) -> usize {
+    pub(super) fn nth(self, e: usize) -> usize {
         self.first + e.min(self.count - 1)
     }
 
@@ -34,7 +35,7 @@ impl Eight {
         self,
         vector: impl Fn(usize) -> [f64; 3],
     ) -> Vec3<W> {
-        gathered(|e| vector(self.grain(e)))
+        gathered(|e| vector(self.nth(e)))
     }
 
     #[inline(always)]
@@ -58,7 +59,7 @@ impl Eight {
         if P::ORIENTED {
             moving.turn = Quaternion {
                 w: W::load(&F64x8(std::array::from_fn(|e| {
-                    grains.turn[self.grain(e)].w.0[0]
+                    grains.turn[self.nth(e)].w.0[0]
                 }))),
                 v: self.gather(|i| lone(&grains.turn[i].v)),
             };

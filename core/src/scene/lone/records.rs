@@ -1,8 +1,9 @@
 //! The state of one step as records, so that a contact finds what it needs in few places.
 
 use crate::grains::Grains;
-use crate::lanes::{F64x1, F64x8, Lane};
+use crate::lanes::{F64x1, F64x8, Lane, Row};
 use crate::math::Vec3;
+use crate::scene::contacts::Candidate;
 use crate::scene::interact::Partner;
 use crate::scene::motion::Load;
 use crate::scene::{Physics, Work};
@@ -11,52 +12,61 @@ use crate::shape::Shape;
 use super::WIDE;
 use super::eight::Eight;
 
-/// A vector and a spare number.
-pub(super) type Four = [f64; 4];
-
-/// Two vectors that are wanted together, on one line of the cache.
-#[derive(Clone, Copy, Debug, Default)]
-#[repr(C, align(64))]
-pub(super) struct Pair(pub(super) [Four; 2]);
-
-impl Pair {
-    /// Adds a force and a torque.
-    #[inline(always)]
-    pub(super) fn add<P: Physics>(&mut self, force: &Four, torque: &Four) {
-        for (sum, part) in self.0[0].iter_mut().zip(force) {
-            *sum += part;
-        }
-        if P::SPINS {
-            for (sum, part) in self.0[1].iter_mut().zip(torque) {
-                *sum += part;
-            }
-        }
-    }
-}
-
-/// The state of the running step, as records that a contact finds in one place each; remade in every step.
+/// The state of the running step, remade in every step.
+///
+/// A record is one line of the cache: two vectors that are wanted together, each with a spare number.
 #[derive(Clone, Debug)]
 pub struct Records {
     /// Of every sphere: its center's displacement from the reference, and its center from the center of mass.
-    pub(super) spheres: Vec<Pair>,
+    spheres: Vec<F64x8>,
     /// Of every grain: velocity and spin.
-    motions: Vec<Pair>,
+    motions: Vec<F64x8>,
     /// Of every grain: the sums of force and torque.
-    pub(super) loads: Vec<Pair>,
+    pub(super) loads: Vec<F64x8>,
+}
+
+/// A sphere of a grain, by the places of their records.
+#[derive(Clone, Copy)]
+pub(super) struct Ball {
+    pub(super) grain: usize,
+    sphere: usize,
+}
+
+impl Ball {
+    /// The one in the candidate's row.
+    #[inline(always)]
+    pub(super) fn i<P: Physics>(candidate: &Candidate<f64>) -> Self {
+        Self::new::<P>(candidate.i, candidate.a)
+    }
+
+    /// The other one.
+    #[inline(always)]
+    pub(super) fn j<P: Physics>(candidate: &Candidate<f64>) -> Self {
+        Self::new::<P>(candidate.j, candidate.b)
+    }
+
+    #[inline(always)]
+    fn new<P: Physics>(grain: u32, sphere: u8) -> Self {
+        let grain = grain as usize;
+        Self {
+            grain,
+            sphere: P::Shape::SPHERES * grain + usize::from(sphere),
+        }
+    }
 }
 
 impl Work<F64x1> for Records {
     fn new<P: Physics>(grains: &Grains<F64x1>) -> Self {
         let n = grains.len();
         Self {
-            spheres: vec![Pair::default(); P::Shape::SPHERES * n],
-            motions: vec![Pair::default(); n],
-            loads: vec![Pair::default(); n],
+            spheres: vec![F64x8::default(); P::Shape::SPHERES * n],
+            motions: vec![F64x8::default(); n],
+            loads: vec![F64x8::default(); n],
         }
     }
 
     fn bytes(&self) -> usize {
-        size_of::<Pair>() * (self.spheres.len() + self.motions.len() + self.loads.len())
+        size_of::<F64x8>() * (self.spheres.len() + self.motions.len() + self.loads.len())
     }
 }
 
@@ -78,45 +88,55 @@ impl Records {
                     Vec3::zero()
                 };
                 let (shifted, arm) = moving.sphere::<P>(arm);
-                let (shifted, arms) = (fours(shifted), fours_if::<W>(P::ORIENTED, arm));
-                for e in 0..eight.count {
-                    self.spheres[spheres * (first + e) + a] = Pair([shifted[e], arms[e]]);
+                let records = records(shifted, arm);
+                for (e, record) in records.into_iter().enumerate().take(eight.count) {
+                    record.store(&mut self.spheres[spheres * (first + e) + a]);
                 }
             }
-            let velocities = fours(moving.velocity);
-            let spins = fours_if(P::SPINS, moving.spin);
-            for e in 0..eight.count {
-                self.motions[first + e] = Pair([velocities[e], spins[e]]);
-                self.loads[first + e] = Pair::default();
+            let records = records(moving.velocity, moving.spin);
+            for (e, record) in records.into_iter().enumerate().take(eight.count) {
+                record.store(&mut self.motions[first + e]);
+                self.loads[first + e] = F64x8::default();
             }
         }
+    }
+
+    /// Displacements from the reference of the centers of eight spheres.
+    #[inline(always)]
+    pub(super) fn shifted<W: Lane<Row = F64x8, Scalar = f64>>(
+        &self,
+        eight: &[Ball; WIDE],
+    ) -> Vec3<W> {
+        vector(W::gather(|e| halves(&self.spheres[eight[e].sphere])[0]))
     }
 
     /// One of the two grains, and its sphere, of eight pairs.
     #[inline(always)]
     pub(super) fn partner<W: Lane<Row = F64x8, Scalar = f64>, P: Physics>(
         &self,
-        eight: [(u32, u8); WIDE],
+        eight: &[Ball; WIDE],
     ) -> Partner<W> {
-        let spheres = P::Shape::SPHERES;
-        let motion = |e: usize| &self.motions[eight[e].0 as usize].0;
-        let arm = |e: usize| {
-            let (grain, sphere) = eight[e];
-            &self.spheres[spheres * grain as usize + usize::from(sphere)].0[1]
-        };
+        let motion = |e: usize| halves(&self.motions[eight[e].grain]);
         Partner {
             arm: if P::ORIENTED {
-                vector(W::gather(arm))
+                vector(W::gather(|e| halves(&self.spheres[eight[e].sphere])[1]))
             } else {
                 Vec3::zero()
             },
-            velocity: vector(W::gather(|e| &motion(e)[0])),
+            velocity: vector(W::gather(|e| motion(e)[0])),
             spin: if P::SPINS {
-                vector(W::gather(|e| &motion(e)[1]))
+                vector(W::gather(|e| motion(e)[1]))
             } else {
                 Vec3::zero()
             },
         }
+    }
+
+    /// Adds a force and a torque to the sums of a grain.
+    #[inline(always)]
+    pub(super) fn add<W: Lane<Row = F64x8>>(&mut self, grain: usize, load: W) {
+        let sum = &mut self.loads[grain];
+        (W::load(sum) + load).store(sum);
     }
 
     /// What acts on eight grains.
@@ -125,10 +145,11 @@ impl Records {
         &self,
         eight: Eight,
     ) -> Load<W> {
+        let load = |e: usize| halves(&self.loads[eight.nth(e)]);
         Load {
-            force: vector(W::gather(|e| &self.loads[eight.grain(e)].0[0])),
+            force: vector(W::gather(|e| load(e)[0])),
             torque: if P::SPINS {
-                vector(W::gather(|e| &self.loads[eight.grain(e)].0[1]))
+                vector(W::gather(|e| load(e)[1]))
             } else {
                 Vec3::zero()
             },
@@ -136,28 +157,23 @@ impl Records {
     }
 }
 
+/// The two vectors of a record.
 #[inline(always)]
-pub(super) fn vector<L>([x, y, z, _]: [L; 4]) -> Vec3<L> {
+pub(super) fn halves(record: &F64x8) -> [&[f64; 4]; 2] {
+    let (halves, _) = record.lanes().as_chunks();
+    [&halves[0], &halves[1]]
+}
+
+/// Two vectors of eight as eight records.
+#[inline(always)]
+pub(super) fn records<W: Lane<Row = F64x8>>(first: Vec3<W>, second: Vec3<W>) -> [W; WIDE] {
+    let spare = W::constant(0.0);
+    W::transposed([
+        first.x, first.y, first.z, spare, second.x, second.y, second.z, spare,
+    ])
+}
+
+#[inline(always)]
+fn vector<L>([x, y, z, _]: [L; 4]) -> Vec3<L> {
     Vec3 { x, y, z }
-}
-
-/// Eight vectors as records.
-#[inline(always)]
-pub(super) fn fours<W: Lane<Row = F64x8, Scalar = f64>>(vector: Vec3<W>) -> [Four; WIDE] {
-    let mut fours = [Four::default(); WIDE];
-    W::scatter([vector.x, vector.y, vector.z, W::constant(0.0)], &mut fours);
-    fours
-}
-
-/// Eight vectors as records; zeros unless `wanted`.
-#[inline(always)]
-pub(super) fn fours_if<W: Lane<Row = F64x8, Scalar = f64>>(
-    wanted: bool,
-    vector: Vec3<W>,
-) -> [Four; WIDE] {
-    if wanted {
-        fours(vector)
-    } else {
-        [Four::default(); WIDE]
-    }
 }
