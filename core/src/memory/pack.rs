@@ -31,7 +31,7 @@ use crate::wall::{WALLS, Walls};
 type Smooth<S> = With<S, Frictionless, ()>;
 
 /// Lists reach far while grains fly, and less far once they are packed; no result depends on it \[R\].
-const SKINS: [f64; 3] = [1.0, 0.3, 0.1];
+const SKINS: [f64; 3] = [1.0, 0.15, 0.05];
 
 /// Where a preparation is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
