@@ -120,6 +120,7 @@ fn interact_all<W: Lane<Row = F64x8, Scalar = f64>, P: Physics>(
 }
 
 /// 0 in the first `count` lanes; in the others nothing is smaller.
+#[inline(always)]
 fn excess_below<W: Lane<Row = F64x8, Scalar = f64>>(count: usize) -> W {
     let bound = |e| if e < count { 0.0 } else { f64::NEG_INFINITY };
     W::load(&F64x8(std::array::from_fn(bound)))
