@@ -11,7 +11,7 @@ use granary_api::table::{Page, PointRow};
 use serde_json::{Value, json};
 
 use super::body::Id;
-use super::tables::{Asked, Format, csv_line, json as json_page, not_modified};
+use super::tables::{Asked, Format, TableParams, csv_line, json as json_page, not_modified};
 use crate::error::ApiError;
 use crate::store::{Store, StoreError};
 use crate::table::TableQuery;
@@ -21,9 +21,7 @@ const PIECE: u32 = 1000;
 
 /// The points of a sweep.
 #[utoipa::path(get, path = "/api/v1/sweeps/{sweep}/points",
-    params(("sweep" = SweepId, Path), ("where" = Option<Vec<String>>, Query), ("sort" = Option<String>, Query),
-        ("columns" = Option<String>, Query), ("cursor" = Option<String>, Query), ("limit" = Option<u32>, Query),
-        ("format" = Option<String>, Query)),
+    params(("sweep" = SweepId, Path), TableParams),
     responses((status = 200, body = Page<PointRow>), (status = 304), (status = 404, body = Problem)))]
 pub(super) async fn list_points(
     State(store): State<Store>,

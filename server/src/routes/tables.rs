@@ -7,6 +7,7 @@ use axum::response::{IntoResponse, Response};
 use granary_api::id::SweepId;
 use serde::Serialize;
 use serde_json::Value;
+use utoipa::IntoParams;
 
 use crate::error::ApiError;
 use crate::store::Store;
@@ -17,6 +18,25 @@ use crate::table::TableQuery;
 pub(super) enum Format {
     Json,
     Csv,
+}
+
+/// What a question may say, for the OpenAPI document; [`Asked`] reads it.
+#[derive(IntoParams)]
+#[into_params(parameter_in = Query)]
+#[expect(dead_code, reason = "describes a query and never holds one")]
+pub(super) struct TableParams {
+    /// `COLUMN`, one of `= != < <= > >=`, and a value; rows must meet all of them, 20 at most.
+    r#where: Option<Vec<String>>,
+    /// The column to order by, descending after a `-`.
+    sort: Option<String>,
+    /// The columns to show, separated by commas.
+    columns: Option<String>,
+    /// The `next` of the page before.
+    cursor: Option<String>,
+    /// Rows of a page, 1 to 10,000.
+    limit: Option<u32>,
+    /// `json` or `csv`; the Accept header counts if this is absent.
+    format: Option<String>,
 }
 
 /// A reader's question.

@@ -1,14 +1,18 @@
 //! Intake: a plan becomes a sweep, its jobs and its table, in one transaction.
 
+use std::panic::resume_unwind;
+
 use granary_api::id::SweepId;
 use granary_api::sweep::{JobCounts, Submitted};
 use serde_json::json;
+use tokio::sync::mpsc;
+use tokio::task::{JoinHandle, spawn_blocking};
 
 use super::chunk::Rows;
 use super::speed::speed_predict;
 use super::{Store, StoreError, Writing, job, now_ms, signed};
 use crate::sweep::Plan;
-use crate::sweep::expansion::Expansion;
+use crate::sweep::expansion::{Chunk, Expansion};
 
 /// Jobs expanded and inserted at a time.
 const CHUNK: usize = 1000;
@@ -126,16 +130,35 @@ async fn insert(
         update sweep set warnings = $2, points = (select sum(points) from want where sweep = $1) where id = $1";
     let id = SweepId::new();
     let sweep = sweep_add(transaction, plan, id, identity).await?;
-    let mut expansion = Expansion::new(plan);
+    let (expanding, mut chunks) = expand(plan.clone());
     let mut rows = Rows::begin(transaction, sweep).await?;
-    while let Some(chunk) = expansion.next_chunk(CHUNK) {
+    while let Some(chunk) = chunks.recv().await {
         rows.insert(transaction, &chunk).await?;
     }
     job::job_revive(transaction, sweep).await?;
-    let warnings = json!(expansion.into_warnings()).to_string();
+    let warnings = expanding
+        .await
+        .unwrap_or_else(|panic| resume_unwind(panic.into_panic()));
+    let warnings = json!(warnings).to_string();
     let finish = sqlx::query(FINISH).bind(sweep).bind(warnings);
     finish.execute(&mut **transaction).await?;
     Ok((sweep, id.0, rows.new))
+}
+
+/// Expands beside the insertion, one chunk ahead of it; the chunks, and in the end the warnings.
+fn expand(plan: Plan) -> (JoinHandle<Vec<String>>, mpsc::Receiver<Chunk>) {
+    let (ready, chunks) = mpsc::channel(1);
+    let expanding = spawn_blocking(move || {
+        let mut expansion = Expansion::new(&plan);
+        while let Some(chunk) = expansion.next_chunk(CHUNK) {
+            if ready.blocking_send(chunk).is_err() {
+                // The insertion failed and wants no more.
+                break;
+            }
+        }
+        expansion.into_warnings()
+    });
+    (expanding, chunks)
 }
 
 async fn sweep_add(

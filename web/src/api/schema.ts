@@ -1773,11 +1773,17 @@ export interface operations {
     list_points: {
         parameters: {
             query?: {
+                /** @description `COLUMN`, one of `= != < <= > >=`, and a value; rows must meet all of them, 20 at most. */
                 where?: string[];
+                /** @description The column to order by, descending after a `-`. */
                 sort?: string;
+                /** @description The columns to show, separated by commas. */
                 columns?: string;
+                /** @description The `next` of the page before. */
                 cursor?: string;
+                /** @description Rows of a page, 1 to 10,000. */
                 limit?: number;
+                /** @description `json` or `csv`; the Accept header counts if this is absent. */
                 format?: string;
             };
             header?: never;
@@ -1873,11 +1879,17 @@ export interface operations {
     list_sets: {
         parameters: {
             query?: {
+                /** @description `COLUMN`, one of `= != < <= > >=`, and a value; rows must meet all of them, 20 at most. */
                 where?: string[];
+                /** @description The column to order by, descending after a `-`. */
                 sort?: string;
+                /** @description The columns to show, separated by commas. */
                 columns?: string;
+                /** @description The `next` of the page before. */
                 cursor?: string;
+                /** @description Rows of a page, 1 to 10,000. */
                 limit?: number;
+                /** @description `json` or `csv`; the Accept header counts if this is absent. */
                 format?: string;
             };
             header?: never;
