@@ -7,9 +7,11 @@
 use crate::lanes::Lane;
 use crate::math::Vec3;
 
+mod elongation;
 pub mod frictionless;
 pub mod hertz;
 pub mod hooke;
+pub mod mindlin;
 
 /// One contact, in every lane; lanes that do not touch hold numbers without meaning that the caller drops.
 #[derive(Clone, Copy, Debug)]
@@ -18,8 +20,10 @@ pub struct Contact<L> {
     pub normal: Vec3<L>,
     /// Velocity of `i` against `j` at the contact point, without its part along n̂ \[R/t_c\].
     pub sliding_velocity: Vec3<L>,
-    /// √p \[R^½\].
+    /// √p \[R^½\]; where grains differ in size √(R_eff p), the radius of the contact, 1/R_eff = 1/R_i + 1/R_j.
     pub root_overlap: L,
+    /// 1/m = 1/m_i + 1/m_j.
+    pub reduced_mass: L,
     /// f_n ≥ 0 \[E R²\].
     pub normal_force: L,
     /// The time step \[t_c\].

@@ -66,6 +66,32 @@ pub struct Grains<R: Row> {
     pub(crate) turn: Vec<Quaternion<R>>,
     /// Empty where nothing can spin a grain.
     pub(crate) spin: Vec<Vec3<R>>,
+    /// Empty where all grains are alike, with radius 1.
+    pub(crate) sizes: Vec<Size>,
+}
+
+/// How large and heavy one grain is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Size {
+    /// R.
+    pub radius: f64,
+    /// 1/m.
+    pub inverse_mass: f64,
+    /// 1/I.
+    pub inverse_inertia: f64,
+}
+
+impl Size {
+    /// A solid sphere: m = (4π/3) ρ R³, I = (2/5) m R².
+    #[must_use]
+    pub fn sphere(radius: f64, density: f64) -> Self {
+        let mass = 4.0 / 3.0 * std::f64::consts::PI * density * radius * radius * radius;
+        Self {
+            radius,
+            inverse_mass: 1.0 / mass,
+            inverse_inertia: 1.0 / (0.4 * mass * radius * radius),
+        }
+    }
 }
 
 impl<R: Row> Grains<R> {
@@ -98,8 +124,33 @@ impl<R: Row> Grains<R> {
             velocity: vec![Vec3::default(); n],
             turn: vec![Quaternion::identity(); turning],
             spin: vec![Vec3::default(); spinning],
+            sizes: vec![],
             reference,
         }
+    }
+
+    /// Gives every grain a size of its own; only for shapes that are graded.
+    ///
+    /// # Panics
+    ///
+    /// If there are not as many sizes as grains.
+    #[must_use]
+    pub fn graded(mut self, sizes: Vec<Size>) -> Self {
+        assert_eq!(sizes.len(), self.len(), "one size for each grain");
+        self.sizes = sizes;
+        self
+    }
+
+    /// The radius of every sphere of grain `i`.
+    #[must_use]
+    pub fn radius(&self, i: usize) -> f64 {
+        self.sizes.get(i).map_or(1.0, |size| size.radius)
+    }
+
+    /// The sizes of all grains; none where all are alike.
+    #[must_use]
+    pub fn sizes(&self) -> &[Size] {
+        &self.sizes
     }
 
     /// N.
@@ -226,7 +277,8 @@ impl<R: Row> Grains<R> {
         let total = self.reference.len() * size_of::<Pose>()
             + self.arms.len() * (size_of::<[f64; 3]>() + size_of::<[R::Scalar; 3]>())
             + vectors * size_of::<Vec3<R>>()
-            + self.turn.len() * size_of::<Quaternion<R>>();
+            + self.turn.len() * size_of::<Quaternion<R>>()
+            + self.sizes.len() * size_of::<Size>();
         total / n
     }
 }

@@ -28,6 +28,62 @@ impl Material {
             wall_damping: normal_damping * k_w,
         }
     }
+
+    /// Viscoelastic spheres of different sizes, of the materials of `pair`, with the relaxation time A \[s\]; no walls.
+    ///
+    /// f = K √R_eff √p (p + (3/2) A ṗ) with K = (4/3) E: Eq. (A1) of Phys. Rev. Research 6, 013061 (2024), whose ξ̇ is
+    /// the velocity of separation, since otherwise an impact would gain energy.
+    #[must_use]
+    pub fn viscoelastic(pair: Pair, relaxation_time: f64) -> Self {
+        let stiffness = 4.0 / 3.0 * pair.modulus;
+        Self {
+            normal_stiffness: stiffness,
+            normal_damping: 1.5 * relaxation_time * stiffness,
+            wall_stiffness: 0.0,
+            wall_damping: 0.0,
+        }
+    }
+}
+
+/// The elastic constants of a solid.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Elastic {
+    /// E \[Pa\].
+    pub youngs_modulus: f64,
+    /// ν, in (−1, 0.5\].
+    pub poisson_ratio: f64,
+}
+
+/// Two solids against each other.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pair {
+    /// 1/E = (1 − ν_i²)/E_i + (1 − ν_j²)/E_j \[Pa\].
+    pub modulus: f64,
+    /// 1/G = (2 − ν_i)/G_i + (2 − ν_j)/G_j with G_i = E_i/(2(1 + ν_i)) \[Pa\].
+    pub shear_modulus: f64,
+}
+
+impl Elastic {
+    /// This solid against `other`.
+    #[must_use]
+    pub fn against(self, other: Self) -> Pair {
+        let along = |of: Self| (1.0 - of.poisson_ratio * of.poisson_ratio) / of.youngs_modulus;
+        let across = |of: Self| {
+            2.0 * (1.0 + of.poisson_ratio) * (2.0 - of.poisson_ratio) / of.youngs_modulus
+        };
+        Pair {
+            modulus: 1.0 / (along(self) + along(other)),
+            shear_modulus: 1.0 / (across(self) + across(other)),
+        }
+    }
+}
+
+impl Pair {
+    /// The tangent stiffness of a contact of radius a along its normal, over a \[Pa\]: 2 E.
+    #[must_use]
+    pub fn normal_slope(self) -> f64 {
+        2.0 * self.modulus
+    }
 }
 
 /// The scales that turn the engine's units into SI.

@@ -56,15 +56,15 @@ pub struct Spheres<'a> {
     pub per_grain: usize,
     /// Distance of the centers from the center of mass.
     pub reach: f64,
-    /// How much farther than its center here a sphere of each grain may be in some replica.
-    pub slack: &'a [f64],
+    /// How far from its center here a sphere of each grain may reach in some replica.
+    pub radii: &'a [f64],
     /// How far beyond touching to look.
     pub skin: f64,
 }
 
 impl Spheres<'_> {
     fn grains(&self) -> usize {
-        self.slack.len()
+        self.radii.len()
     }
 
     fn of(&self, i: usize) -> &[[f64; 3]] {
@@ -73,7 +73,7 @@ impl Spheres<'_> {
 
     /// Adds the candidates of grains `i < j` to `keys`, in order.
     fn compare(&self, i: usize, j: usize, keys: &mut Vec<Key>) {
-        let cutoff = 2.0 + self.skin + self.slack[i] + self.slack[j];
+        let cutoff = self.skin + self.radii[i] + self.radii[j];
         for (a, &center) in self.of(i).iter().enumerate() {
             for (b, &other) in self.of(j).iter().enumerate() {
                 let branch = plain::sub(center, other);

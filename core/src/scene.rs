@@ -29,6 +29,8 @@ pub trait Physics: Copy + Send + Sync + 'static {
 
     /// Whether grains have an orientation.
     const ORIENTED: bool = Self::Shape::SPHERES > 1;
+    /// Whether each grain has a size of its own.
+    const GRADED: bool = Self::Shape::GRADED;
     /// Whether anything can spin a grain: a pull along its surface, or a push off its center.
     const SPINS: bool = Self::Tangential::TANGENTIAL || Self::Shape::SPHERES > 1;
 }

@@ -8,6 +8,9 @@ use crate::math::plain;
 pub trait Shape: Copy + Send + Sync + 'static {
     /// Spheres per grain.
     const SPHERES: usize;
+
+    /// Whether each grain has a radius and a mass of its own.
+    const GRADED: bool = false;
 }
 
 /// One sphere: it has no orientation.
@@ -16,6 +19,15 @@ pub struct Sphere;
 
 impl Shape for Sphere {
     const SPHERES: usize = 1;
+}
+
+/// One sphere, each of its own size.
+#[derive(Clone, Copy, Debug)]
+pub struct GradedSphere;
+
+impl Shape for GradedSphere {
+    const SPHERES: usize = 1;
+    const GRADED: bool = true;
 }
 
 /// Four overlapping spheres.

@@ -3,9 +3,11 @@
 //! Source: Newton's third law, frame indifference, the Coulomb cone.
 
 use granary_core::contact::hooke::Hooke;
-use granary_core::contact::{Contact, TangentialLaw};
+use granary_core::contact::mindlin::{Mindlin, TangentialStiffness};
+use granary_core::contact::{Components, Contact, TangentialLaw};
 use granary_core::grains::{Grains, Motion, Pose};
 use granary_core::lanes::{F64x1, F64x8};
+use granary_core::material::Elastic;
 use granary_core::math::Vec3;
 use granary_core::math::plain::{add, compose, dot, norm, rotate, scale, sub};
 use granary_core::neighbor::{CellGrid, Rows, Spheres, all_pairs};
@@ -43,8 +45,8 @@ fn searched<S: Shape>(
     (slack, skin): (f64, f64),
 ) -> [Rows; 2] {
     let centers = scattered::<S>(seed, count, sides);
-    let slack: Vec<f64> = (0..count)
-        .map(|n| slack * (random3(seed + 1, n)[0] + 1.0))
+    let radii: Vec<f64> = (0..count)
+        .map(|n| 1.0 + slack * (random3(seed + 1, n)[0] + 1.0))
         .collect();
     let spheres = Spheres {
         centers: &centers,
@@ -54,7 +56,7 @@ fn searched<S: Shape>(
         } else {
             0.0
         },
-        slack: &slack,
+        radii: &radii,
         skin,
     };
     let (mut certain, mut found) = (Rows::default(), Rows::default());
@@ -62,7 +64,7 @@ fn searched<S: Shape>(
     let mut grid = CellGrid::default();
     let elsewhere = Spheres {
         centers: &scattered::<S>(seed + 2, 7, [9.0; 3]),
-        slack: &[0.1; 7],
+        radii: &[1.1; 7],
         ..spheres
     };
     grid.search(&elsewhere, &mut found);
@@ -240,19 +242,18 @@ proptest! {
         normal_force in 0.0..0.05f64,
     ) {
         prop_assume!(norm(normal) > 0.1);
-        let law = Hooke { friction_coefficient, ..HOOKE };
         let normal = scale(normal, 1.0 / norm(normal));
-        let mut history = [F64x1::default(); 3];
-        for slide in slides {
-            let slide = sub(slide, scale(normal, dot(slide, normal)));
-            let contact = Contact {
-                normal: vector(normal),
-                sliding_velocity: vector(slide),
-                root_overlap: F64x1([0.2]),
-                normal_force: F64x1([normal_force]),
-                time_step: F64x1([1.0]),
-            };
-            let force = Hooke::force(&law.constants(), &contact, &mut history).lane(0);
+        let slides: Vec<[f64; 3]> = slides
+            .into_iter()
+            .map(|slide| sub(slide, scale(normal, dot(slide, normal))))
+            .collect();
+        let solid = Elastic { youngs_modulus: 1.0, poisson_ratio: 0.49 };
+        let pair = solid.against(solid);
+        let hooke = Hooke { friction_coefficient, ..HOOKE };
+        let mindlin = Mindlin::new(pair, TangentialStiffness::Paper, 0.3, friction_coefficient);
+        let hooke = pulls(hooke, normal, &slides, normal_force);
+        let mindlin = pulls(mindlin, normal, &slides, normal_force);
+        for force in hooke.into_iter().chain(mindlin) {
             let limit = friction_coefficient * normal_force;
             // Scaled to the limit by one division, one root and three products: 4 × 2⁻⁵³, and a lane at the limit itself.
             prop_assert!(norm(force) <= limit * (1.0 + 1e-15));
@@ -260,4 +261,26 @@ proptest! {
             prop_assert!(dot(force, normal).abs() < 1e-16);
         }
     }
+}
+
+/// The forces of a contact that slides as told, step by step.
+fn pulls<T: TangentialLaw>(
+    law: T,
+    normal: [f64; 3],
+    slides: &[[f64; 3]],
+    normal_force: f64,
+) -> Vec<[f64; 3]> {
+    let mut history = Components::from_fn(|_| F64x1::default());
+    let pull = |&slide: &[f64; 3]| {
+        let contact = Contact {
+            normal: vector(normal),
+            sliding_velocity: vector(slide),
+            root_overlap: F64x1([0.2]),
+            reduced_mass: F64x1([2.0]),
+            normal_force: F64x1([normal_force]),
+            time_step: F64x1([1.0]),
+        };
+        T::force(&law.constants(), &contact, &mut history).lane(0)
+    };
+    slides.iter().map(pull).collect()
 }

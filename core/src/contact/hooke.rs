@@ -4,6 +4,7 @@
 //! Otherwise it is scaled to the limit, and ξ is set so that elastic and damping force together equal it (Luding 2008).
 //! Apart from the damping this is the law of Cundall and Strack.
 
+use super::elongation::carried;
 use super::{Contact, TangentialLaw};
 use crate::lanes::{Lane, Mask};
 use crate::math::Vec3;
@@ -75,22 +76,6 @@ impl TangentialLaw for Hooke {
     }
 }
 
-/// The spring of the last step, turned with the pair into today's contact plane: projected, then given its old length back.
-///
-/// √(1 + x) is expanded for x = (n̂·ξ)²/|ξ − n̂(n̂·ξ)|², the squared tangent of the turn since the last step.
-#[inline(always)]
-fn carried<L: Lane>(elongation: Vec3<L>, normal: Vec3<L>) -> Vec3<L> {
-    let out_of_plane = elongation.dot(normal);
-    let projected = normal.scale_sub(out_of_plane, elongation);
-    let tiny = L::constant(1e-35);
-    let x = (out_of_plane * out_of_plane) / projected.dot(projected).max(tiny);
-    // Turns of more than 45° a step mean nothing; the cut keeps the series bounded.
-    let x = -((-x).max(L::constant(-1.0)));
-    let series = x.mul_add(L::constant(0.0625), L::constant(-0.125));
-    let series = series.mul_add(x, L::constant(0.5));
-    projected.scale_add(series * x, projected)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -115,6 +100,7 @@ mod tests {
             normal: vector(normal),
             sliding_velocity: vector(sliding_velocity),
             root_overlap: F64x1([0.2]),
+            reduced_mass: F64x1([2.0]),
             normal_force: F64x1([normal_force]),
             time_step: F64x1([0.1]),
         }

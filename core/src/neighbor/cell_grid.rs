@@ -75,8 +75,8 @@ impl CellGrid {
         if spheres.grains() == 0 {
             return;
         }
-        let most_slack = spheres.slack.iter().fold(0.0, |most: f64, &s| most.max(s));
-        let farthest = 2.0 * (1.0 + spheres.reach) + spheres.skin + 2.0 * most_slack;
+        let largest = spheres.radii.iter().fold(0.0, |most: f64, &r| most.max(r));
+        let farthest = 2.0 * (spheres.reach + largest) + spheres.skin;
         self.find_middles(spheres);
         let layout = Layout::new(&self.middles, farthest);
         self.sort(&layout);
@@ -149,10 +149,10 @@ impl CellGrid {
                         continue;
                     }
                     let branch = plain::sub(middle, self.middles[j_index]);
-                    let cutoff = 2.0 * (1.0 + spheres.reach)
+                    let cutoff = 2.0 * spheres.reach
                         + spheres.skin
-                        + spheres.slack[i]
-                        + spheres.slack[j_index];
+                        + spheres.radii[i]
+                        + spheres.radii[j_index];
                     if plain::dot(branch, branch) < cutoff * cutoff {
                         self.near.push(j);
                     }

@@ -13,7 +13,7 @@ use crate::wall::{WALLS, Walls, axis, inward};
 /// A pair of spheres that may touch; its grain `i` is the row that it stands in.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Candidate<S> {
-    /// Twice the branch vector L0 from `j`'s sphere to `i`'s in the reference, and |L0|² − 4.
+    /// Twice the branch vector L0 from `j`'s sphere to `i`'s in the reference, and |L0|² − 4, or |L0|² where grains differ in size.
     pub(crate) reference: [S; 4],
     /// The row's grain.
     pub(crate) i: u32,
@@ -77,8 +77,8 @@ struct Built {
     centers: Vec<[f64; 3]>,
     offsets: Vec<([f64; 3], [f64; 4])>,
     walls: [f64; WALLS],
-    /// How much farther than the leading replica's a sphere of each grain was in any other.
-    slack: Vec<f64>,
+    /// The radius of each grain's spheres, and how much farther than the leading replica's one of them was in any other.
+    radii: Vec<f64>,
     wall_slack: f64,
 }
 
@@ -153,9 +153,8 @@ impl<R: Row, T: TangentialLaw> Contacts<R, T> {
         let mut most = 0.0f64;
         for i in 0..grains.len() {
             for k in live.lanes() {
-                most = most.max(
-                    moved(self.built.offsets[i], grains.offset(i, k), reach) - self.built.slack[i],
-                );
+                let moved = moved(self.built.offsets[i], grains.offset(i, k), reach);
+                most = most.max(moved + (grains.radius(i) - self.built.radii[i]));
             }
         }
         for w in 0..WALLS {
@@ -181,7 +180,7 @@ impl<R: Row, T: TangentialLaw> Contacts<R, T> {
             centers: &self.built.centers,
             per_grain: grains.spheres(),
             reach,
-            slack: &self.built.slack,
+            radii: &self.built.radii,
             skin: self.skin,
         };
         self.grid.search(&spheres, &mut self.found);
@@ -201,7 +200,7 @@ impl<R: Row, T: TangentialLaw> Contacts<R, T> {
         let built = &mut self.built;
         built.centers.clear();
         built.offsets.clear();
-        built.slack.clear();
+        built.radii.clear();
         for i in 0..grains.len() {
             let lead = grains.offset(i, live.leader);
             built
@@ -209,7 +208,9 @@ impl<R: Row, T: TangentialLaw> Contacts<R, T> {
                 .extend((0..grains.spheres()).map(|a| grains.center(i, a, live.leader)));
             built.offsets.push(lead);
             let farther = |most: f64, k| most.max(moved(lead, grains.offset(i, k), reach));
-            built.slack.push(live.lanes().fold(0.0, farther));
+            built
+                .radii
+                .push(grains.radius(i) + live.lanes().fold(0.0, farther));
         }
         built.wall_slack = 0.0;
         for w in 0..WALLS {
@@ -266,10 +267,10 @@ impl<R: Row, T: TangentialLaw> Contacts<R, T> {
                 for a in 0..grains.spheres() {
                     let center = self.built.centers[grains.spheres() * i + a][axis(wall)];
                     let distance = inward(wall) * (center - self.built.walls[wall]);
-                    if distance < 1.0 + self.skin + self.built.slack[i] + self.built.wall_slack {
+                    if distance < self.skin + self.built.radii[i] + self.built.wall_slack {
                         let at_reference = grains.reference()[i].position[axis(wall)]
                             + grains.arm(i, a)[axis(wall)];
-                        let gap = inward(wall) * (at_reference - stands) - 1.0;
+                        let gap = inward(wall) * (at_reference - stands) - grains.radius(i);
                         let gap = R::Scalar::from_f64(gap);
                         self.wall_candidates.push(WallCandidate {
                             gap,
@@ -344,7 +345,8 @@ fn candidate<R: Row>(grains: &Grains<R>, i: usize, key: Key) -> Candidate<R::Sca
     };
     let branch = plain::sub(center(i, key.a), center(key.j as usize, key.b));
     let [x, y, z] = branch.map(|part| 2.0 * part);
-    let excess = plain::dot(branch, branch) - 4.0;
+    let four = if grains.sizes.is_empty() { 4.0 } else { 0.0 };
+    let excess = plain::dot(branch, branch) - four;
     Candidate {
         reference: [x, y, z, excess].map(R::Scalar::from_f64),
         i: i as u32,

@@ -12,6 +12,8 @@ use crate::scene::{Laws, Physics};
 pub(super) struct Constants<L: Lane, T: TangentialLaw> {
     normal_stiffness: L,
     normal_damping: L,
+    /// Half a mass, where all are alike.
+    reduced_mass: L,
     tangential: T::Constants<L>,
     time_step: L,
 }
@@ -22,6 +24,7 @@ impl<L: Lane, T: TangentialLaw> Constants<L, T> {
         Self {
             normal_stiffness: L::constant(laws.material.normal_stiffness),
             normal_damping: L::constant(laws.material.normal_damping),
+            reduced_mass: L::constant(0.5 * laws.body.mass),
             tangential: laws.tangential.constants(),
             time_step: L::constant(laws.time_step),
         }
@@ -33,15 +36,26 @@ impl<L: Lane, T: TangentialLaw> Constants<L, T> {
 pub(super) struct Branch<L> {
     /// L.
     pub(super) vector: Vec3<L>,
-    /// |L|² − 4: below zero where the spheres touch.
+    /// |L|² − (R_i + R_j)²: below zero where the spheres touch.
     pub(super) excess: L,
 }
 
 /// The branch vector from (2 L0, |L0|² − 4) and the change e: no digits are lost to |L|² ≈ 4.
+///
+/// Where grains differ in size, the last number is |L0|² and `reach` R_i + R_j.
 #[inline(always)]
-pub(super) fn branch<L: Lane>([x, y, z, excess]: [L; 4], change: Vec3<L>) -> Branch<L> {
+pub(super) fn branch<L: Lane, P: Physics>(
+    [x, y, z, square]: [L; 4],
+    change: Vec3<L>,
+    reach: L,
+) -> Branch<L> {
     let twice = Vec3 { x, y, z };
     let both = twice + change;
+    let excess = if P::GRADED {
+        reach.neg_mul_add(reach, square)
+    } else {
+        square
+    };
     Branch {
         vector: twice.scale_add(L::constant(0.5), change),
         excess: both.x.mul_add(
@@ -58,22 +72,33 @@ pub(super) struct Geometry<L> {
     pub(super) normal: Vec3<L>,
     /// p \[R\].
     pub(super) overlap: L,
-    /// √p.
+    /// √p, or √(R_eff p) where grains differ in size.
     pub(super) root_overlap: L,
 }
 
-/// p = −(|L|² − 4)/(|L| + 2), with one division for p and n̂ together.
+/// p = −(|L|² − s²)/(|L| + s) with s = R_i + R_j, with one division for p and n̂ together.
 #[inline(always)]
-pub(super) fn geometry<L: Lane>(branch: Branch<L>) -> Geometry<L> {
+pub(super) fn geometry<L: Lane, P: Physics>(branch: Branch<L>, radii: [L; 2]) -> Geometry<L> {
     let excess = branch.excess;
-    let length = (excess + L::constant(4.0)).sqrt();
-    let sum = length + L::constant(2.0);
+    let (reach, square) = if P::GRADED {
+        let reach = radii[0] + radii[1];
+        (reach, reach * reach)
+    } else {
+        (L::constant(2.0), L::constant(4.0))
+    };
+    let length = (excess + square).sqrt();
+    let sum = length + reach;
     let inverse = L::constant(1.0) / (length * sum);
     let overlap = -excess * (inverse * length);
+    let root_overlap = if P::GRADED {
+        (radii[0] * radii[1] / reach * overlap).sqrt()
+    } else {
+        overlap.sqrt()
+    };
     Geometry {
         normal: branch.vector.scale(inverse * sum),
         overlap,
-        root_overlap: overlap.sqrt(),
+        root_overlap,
     }
 }
 
@@ -86,6 +111,10 @@ pub(super) struct Partner<L> {
     pub(super) velocity: Vec3<L>,
     /// Meaningless where nothing spins.
     pub(super) spin: Vec3<L>,
+    /// 1 where all are alike.
+    pub(super) radius: L,
+    /// Meaningless where all are alike.
+    pub(super) inverse_mass: L,
 }
 
 /// What a contact does to its grains.
@@ -128,11 +157,9 @@ pub(super) fn interact<L: Lane, P: Physics>(
     history: &mut <P::Tangential as TangentialLaw>::History<L>,
 ) -> Action<L> {
     let normal = geometry.normal;
-    let half = geometry
-        .overlap
-        .neg_mul_add(L::constant(0.5), L::constant(1.0));
-    let lever_i = normal.scale_sub(half, i.arm);
-    let lever_j = normal.scale_add(half, j.arm);
+    let half = L::constant(0.5);
+    let lever_i = normal.scale_sub(geometry.overlap.neg_mul_add(half, i.radius), i.arm);
+    let lever_j = normal.scale_add(geometry.overlap.neg_mul_add(half, j.radius), j.arm);
     let mut relative = i.velocity - j.velocity;
     if P::SPINS {
         relative = lever_j.cross_add(j.spin, i.spin.cross_add(lever_i, relative));
@@ -151,6 +178,11 @@ pub(super) fn interact<L: Lane, P: Physics>(
             normal,
             sliding_velocity: normal.scale_add(overlap_rate, relative),
             root_overlap: geometry.root_overlap,
+            reduced_mass: if P::GRADED {
+                L::constant(1.0) / (i.inverse_mass + j.inverse_mass)
+            } else {
+                constants.reduced_mass
+            },
             normal_force,
             time_step: constants.time_step,
         };

@@ -60,7 +60,7 @@ impl<P: Physics> Kernel<F64x8> for LoneStep<'_, P> {
             let eight = Eight::from(first, grains.len());
             let position = eight.gather::<W>(|i| grains.reference()[i].position);
             let moved = advance::<W, P>(
-                &motion,
+                &motion.sized::<P>(|of| eight.numbers(|i| of(&grains.sizes[i]))),
                 (&laws.body_force, &affine),
                 [position.x, position.y, position.z],
                 &work.load::<W, P>(eight),
@@ -142,8 +142,13 @@ fn interact_eight<W: Lane<Row = F64x8, Scalar = f64>, P: Physics>(
 ) {
     let of_i = candidates.each_ref().map(Ball::i::<P>);
     let of_j = candidates.each_ref().map(Ball::j::<P>);
-    let change = work.shifted::<W>(&of_i) - work.shifted::<W>(&of_j);
-    let branch = branch(W::gather(|e| &candidates[e].reference), change);
+    let (shifted_i, radius_i) = work.shifted::<W, P>(&of_i);
+    let (shifted_j, radius_j) = work.shifted::<W, P>(&of_j);
+    let branch = branch::<W, P>(
+        W::gather(|e| &candidates[e].reference),
+        shifted_i - shifted_j,
+        radius_i + radius_j,
+    );
     let touching = branch.excess.lt(bound);
     let touches: [bool; WIDE] = std::array::from_fn(|e| touching.bits() >> e & 1 == 1);
     if !touching.any() {
@@ -160,9 +165,9 @@ fn interact_eight<W: Lane<Row = F64x8, Scalar = f64>, P: Physics>(
     });
     let action = interact::<W, P>(
         constants,
-        &geometry(branch),
-        &work.partner::<W, P>(&of_i),
-        &work.partner::<W, P>(&of_j),
+        &geometry::<W, P>(branch, [radius_i, radius_j]),
+        &work.partner::<W, P>(&of_i, radius_i),
+        &work.partner::<W, P>(&of_j, radius_j),
         &mut history,
     );
     for (n, lanes) in history.as_slice().iter().enumerate() {
@@ -178,8 +183,9 @@ fn interact_eight<W: Lane<Row = F64x8, Scalar = f64>, P: Physics>(
         on_i = action.torque_i().keep(touching);
         on_j = action.torque_j().keep(touching);
     }
-    let on_i = records(force, on_i);
-    let on_j = records(force.scale(W::constant(-1.0)), on_j);
+    let spare = [W::constant(0.0); 2];
+    let on_i = records(force, on_i, spare);
+    let on_j = records(force.scale(W::constant(-1.0)), on_j, spare);
     for e in 0..WIDE {
         work.add(of_i[e].grain, on_i[e]);
         work.add(of_j[e].grain, on_j[e]);

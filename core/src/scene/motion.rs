@@ -2,7 +2,7 @@
 
 use crate::contact::hertz;
 use crate::force::{AffineRate, BodyForce};
-use crate::grains::Grains;
+use crate::grains::{Grains, Size};
 use crate::lanes::{Lane, Mask, Row, Scalar};
 use crate::math::{Quaternion, Vec3};
 use crate::scene::contacts::WallCandidate;
@@ -32,6 +32,20 @@ impl<L: Lane> MotionConstants<L> {
             time_step: L::constant(laws.time_step),
             inverse_mass: L::constant(1.0 / laws.body.mass),
             inverse_inertia: L::constant(1.0 / laws.body.inertia),
+        }
+    }
+
+    /// The same for grains of the sizes that `of` reads; unchanged where all are alike.
+    #[inline(always)]
+    pub(super) fn sized<P: Physics>(self, of: impl Fn(fn(&Size) -> f64) -> L) -> Self {
+        if P::GRADED {
+            Self {
+                inverse_mass: of(|size| size.inverse_mass),
+                inverse_inertia: of(|size| size.inverse_inertia),
+                ..self
+            }
+        } else {
+            self
         }
     }
 }
@@ -102,17 +116,35 @@ pub(super) struct RowGrain<L> {
     pub(super) shifted: [Vec3<L>; MOST_SPHERES],
     /// Each sphere's center from the center of mass.
     pub(super) arms: [Vec3<L>; MOST_SPHERES],
+    /// 1 where all are alike.
+    pub(super) radius: L,
+    /// Meaningless where all are alike.
+    pub(super) inverse_mass: L,
+}
+
+/// Radius and inverse mass of grain `i`; 1 and nothing where all are alike.
+#[inline(always)]
+pub(super) fn size<L: Lane, P: Physics>(grains: &Grains<L::Row>, i: usize) -> (L, L) {
+    if P::GRADED {
+        let size = grains.sizes[i];
+        (L::constant(size.radius), L::constant(size.inverse_mass))
+    } else {
+        (L::constant(1.0), L::constant(0.0))
+    }
 }
 
 impl<L: Lane> RowGrain<L> {
     #[inline(always)]
     pub(super) fn load<P: Physics>(grains: &Grains<L::Row>, i: usize) -> Self {
         let moving = Moving::<L>::load::<P>(grains, i);
+        let (radius, inverse_mass) = size::<L, P>(grains, i);
         let mut at = Self {
             velocity: moving.velocity,
             spin: moving.spin,
             shifted: [moving.displacement; MOST_SPHERES],
             arms: [Vec3::zero(); MOST_SPHERES],
+            radius,
+            inverse_mass,
         };
         if P::ORIENTED {
             for a in 0..P::Shape::SPHERES {

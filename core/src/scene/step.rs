@@ -12,7 +12,9 @@ use crate::wall::{MAX_LANES, WALLS};
 
 use super::contacts::Contacts;
 use super::interact::{Branch, Constants, Partner, branch, geometry, interact};
-use super::motion::{Fastest, Load, MotionConstants, Moving, RowGrain, advance, push_of_wall};
+use super::motion::{
+    Fastest, Load, MotionConstants, Moving, RowGrain, advance, push_of_wall, size,
+};
 use super::{Physics, Replicas, Scene, Work};
 
 /// Touching pairs that are noted before their forces are found.
@@ -128,7 +130,7 @@ impl<R: Replicas<Work = Loads<R>>, P: Physics> Kernel<R> for Step<'_, R, P> {
                 push_of_wall::<L, P>(&motion, &at, &contacts.wall_candidates[c], walls, &mut load);
             }
             let moved = advance::<L, P>(
-                &motion,
+                &motion.sized::<P>(|of| L::constant(of(&grains.sizes[i]))),
                 (&laws.body_force, affine),
                 grains.reference()[i].position.map(L::constant),
                 &load,
@@ -172,7 +174,12 @@ fn note<L: Lane, P: Physics>(
             arm_j = arm + shift;
         }
         let change = at.shifted[a] - shifted_j;
-        let branch = branch(candidate.reference.map(L::splat), change);
+        let (radius_j, _) = size::<L, P>(grains, j);
+        let branch = branch::<L, P>(
+            candidate.reference.map(L::splat),
+            change,
+            at.radius + radius_j,
+        );
         let touching = branch.excess.lt(L::constant(0.0));
         touches[noted] = Touch {
             candidate: c,
@@ -205,11 +212,14 @@ fn act<L: Lane, P: Physics>(
     let rows = contacts.histories[touch.candidate].as_mut_slice();
     let mut history =
         <P::Tangential as TangentialLaw>::History::<L>::from_fn(|n| L::load(&rows[n]));
-    let geometry = geometry(touch.branch);
+    let (radius_j, inverse_mass_j) = size::<L, P>(grains, j);
+    let geometry = geometry::<L, P>(touch.branch, [at.radius, radius_j]);
     let partner_i = Partner {
         arm: at.arms[a],
         velocity: at.velocity,
         spin: at.spin,
+        radius: at.radius,
+        inverse_mass: at.inverse_mass,
     };
     let partner_j = Partner {
         arm: touch.arm_j,
@@ -219,6 +229,8 @@ fn act<L: Lane, P: Physics>(
         } else {
             Vec3::zero()
         },
+        radius: radius_j,
+        inverse_mass: inverse_mass_j,
     };
     let action = interact::<L, P>(constants, &geometry, &partner_i, &partner_j, &mut history);
     for (row, lanes) in rows.iter_mut().zip(history.as_slice()) {

@@ -37,6 +37,7 @@ impl<R: Replicas, P: Physics> Kernel<R> for Survey<'_, R, P> {
 
     #[inline(always)]
     fn run<L: Lane<Row = R, Scalar = R::Scalar>>(self) -> Sums<R> {
+        const { assert!(!P::GRADED, "a survey takes all grains for alike") }
         let scene = self.scene;
         let zero = L::constant(0.0);
         let one = L::constant(1.0);
@@ -57,7 +58,9 @@ impl<R: Replicas, P: Physics> Kernel<R> for Survey<'_, R, P> {
                 let j = candidate.j as usize;
                 let change = shifted::<L, P>(&scene.grains, i, usize::from(candidate.a))
                     - shifted::<L, P>(&scene.grains, j, usize::from(candidate.b));
-                let excess = branch(candidate.reference.map(L::splat), change).excess;
+                let reach = L::constant(2.0);
+                let excess =
+                    branch::<L, P>(candidate.reference.map(L::splat), change, reach).excess;
                 let touch = one.keep(excess.lt(zero));
                 spheres = spheres + touch;
                 deepest = (-excess).max(deepest);

@@ -39,6 +39,14 @@ impl Eight {
     }
 
     #[inline(always)]
+    pub(super) fn numbers<W: Lane<Row = F64x8, Scalar = f64>>(
+        self,
+        number: impl Fn(usize) -> f64,
+    ) -> W {
+        W::load(&F64x8(std::array::from_fn(|e| number(self.nth(e)))))
+    }
+
+    #[inline(always)]
     pub(super) fn load<W: Lane<Row = F64x8, Scalar = f64>, P: Physics>(
         self,
         grains: &Grains<F64x1>,

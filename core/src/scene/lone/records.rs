@@ -14,12 +14,12 @@ use super::eight::Eight;
 
 /// The state of the running step, remade in every step.
 ///
-/// A record is one line of the cache: two vectors that are wanted together, each with a spare number.
+/// A record is one line of the cache: two vectors that are wanted together, each with a number beside it.
 #[derive(Clone, Debug)]
 pub struct Records {
-    /// Of every sphere: its center's displacement from the reference, and its center from the center of mass.
+    /// Of every sphere: its center's displacement from the reference and its radius, and its center from the center of mass.
     spheres: Vec<F64x8>,
-    /// Of every grain: velocity and spin.
+    /// Of every grain: velocity and inverse mass, and spin.
     motions: Vec<F64x8>,
     /// Of every grain: the sums of force and torque.
     pub(super) loads: Vec<F64x8>,
@@ -81,6 +81,12 @@ impl Records {
         for first in (0..grains.len()).step_by(WIDE) {
             let eight = Eight::from(first, grains.len());
             let moving = eight.load::<W, P>(grains);
+            let zero = W::constant(0.0);
+            let (mut radius, mut inverse_mass) = (zero, zero);
+            if P::GRADED {
+                radius = eight.numbers(|i| grains.sizes[i].radius);
+                inverse_mass = eight.numbers(|i| grains.sizes[i].inverse_mass);
+            }
             for a in 0..spheres {
                 let arm = if P::ORIENTED {
                     eight.gather(|i| grains.lane_arms[spheres * i + a])
@@ -88,12 +94,12 @@ impl Records {
                     Vec3::zero()
                 };
                 let (shifted, arm) = moving.sphere::<P>(arm);
-                let records = records(shifted, arm);
+                let records = records(shifted, arm, [radius, zero]);
                 for (e, record) in records.into_iter().enumerate().take(eight.count) {
                     record.store(&mut self.spheres[spheres * (first + e) + a]);
                 }
             }
-            let records = records(moving.velocity, moving.spin);
+            let records = records(moving.velocity, moving.spin, [inverse_mass, zero]);
             for (e, record) in records.into_iter().enumerate().take(eight.count) {
                 record.store(&mut self.motions[first + e]);
                 self.loads[first + e] = F64x8::default();
@@ -101,13 +107,19 @@ impl Records {
         }
     }
 
-    /// Displacements from the reference of the centers of eight spheres.
+    /// Displacements from the reference of the centers of eight spheres, and their radii.
     #[inline(always)]
-    pub(super) fn shifted<W: Lane<Row = F64x8, Scalar = f64>>(
+    pub(super) fn shifted<W: Lane<Row = F64x8, Scalar = f64>, P: Physics>(
         &self,
         eight: &[Ball; WIDE],
-    ) -> Vec3<W> {
-        vector(W::gather(|e| halves(&self.spheres[eight[e].sphere])[0]))
+    ) -> (Vec3<W>, W) {
+        let numbers = W::gather(|e| halves(&self.spheres[eight[e].sphere])[0]);
+        let radius = if P::GRADED {
+            numbers[3]
+        } else {
+            W::constant(1.0)
+        };
+        (vector(numbers), radius)
     }
 
     /// One of the two grains, and its sphere, of eight pairs.
@@ -115,20 +127,24 @@ impl Records {
     pub(super) fn partner<W: Lane<Row = F64x8, Scalar = f64>, P: Physics>(
         &self,
         eight: &[Ball; WIDE],
+        radius: W,
     ) -> Partner<W> {
         let motion = |e: usize| halves(&self.motions[eight[e].grain]);
+        let moving = W::gather(|e| motion(e)[0]);
         Partner {
             arm: if P::ORIENTED {
                 vector(W::gather(|e| halves(&self.spheres[eight[e].sphere])[1]))
             } else {
                 Vec3::zero()
             },
-            velocity: vector(W::gather(|e| motion(e)[0])),
+            velocity: vector(moving),
             spin: if P::SPINS {
                 vector(W::gather(|e| motion(e)[1]))
             } else {
                 Vec3::zero()
             },
+            radius,
+            inverse_mass: moving[3],
         }
     }
 
@@ -164,12 +180,22 @@ pub(super) fn halves(record: &F64x8) -> [&[f64; 4]; 2] {
     [&halves[0], &halves[1]]
 }
 
-/// Two vectors of eight as eight records.
+/// Two vectors of eight, and the numbers beside them, as eight records.
 #[inline(always)]
-pub(super) fn records<W: Lane<Row = F64x8>>(first: Vec3<W>, second: Vec3<W>) -> [W; WIDE] {
-    let spare = W::constant(0.0);
+pub(super) fn records<W: Lane<Row = F64x8>>(
+    first: Vec3<W>,
+    second: Vec3<W>,
+    [beside_first, beside_second]: [W; 2],
+) -> [W; WIDE] {
     W::transposed([
-        first.x, first.y, first.z, spare, second.x, second.y, second.z, spare,
+        first.x,
+        first.y,
+        first.z,
+        beside_first,
+        second.x,
+        second.y,
+        second.z,
+        beside_second,
     ])
 }
 

@@ -1,0 +1,20 @@
+//! The elongation of a friction spring, carried from one step to the next.
+
+use crate::lanes::Lane;
+use crate::math::Vec3;
+
+/// The spring of the last step, turned with the pair into today's contact plane: projected, then given its old length back.
+///
+/// √(1 + x) is expanded for x = (n̂·ξ)²/|ξ − n̂(n̂·ξ)|², the squared tangent of the turn since the last step.
+#[inline(always)]
+pub(super) fn carried<L: Lane>(elongation: Vec3<L>, normal: Vec3<L>) -> Vec3<L> {
+    let out_of_plane = elongation.dot(normal);
+    let projected = normal.scale_sub(out_of_plane, elongation);
+    let tiny = L::constant(1e-35);
+    let x = (out_of_plane * out_of_plane) / projected.dot(projected).max(tiny);
+    // Turns of more than 45° a step mean nothing; the cut keeps the series bounded.
+    let x = -((-x).max(L::constant(-1.0)));
+    let series = x.mul_add(L::constant(0.0625), L::constant(-0.125));
+    let series = series.mul_add(x, L::constant(0.5));
+    projected.scale_add(series * x, projected)
+}
