@@ -38,6 +38,7 @@ pub mod guard;
 
 pub mod protocol;
 
+pub mod beam;
 pub mod memory;
 
 pub mod bench;

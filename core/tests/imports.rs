@@ -28,7 +28,7 @@ const LEVELS: [(bool, &[&str]); 10] = [
     (false, &["scene"]),
     (true, &["observable", "guard"]),
     (false, &["protocol"]),
-    (false, &["memory"]),
+    (false, &["beam", "memory"]),
     (false, &["bench", "stage"]),
 ];
 

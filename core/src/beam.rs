@@ -1,0 +1,17 @@
+//! The bending-beam experiment: what its measurements say about the beam.
+//!
+//! Source: H. Götz, T. Pöschel, O. D'Angelo, *Structural features of jammed-granulate metamaterials*, Phys. Rev. Research 6, 013061 (2024) ("the paper").
+//!
+//! The modules follow the numbers: forces and deflections become a curve, a curve yields a stiffness E_b and a strength Y_b, and strengths at several frictions yield the three parameters of Eq. (4).
+//! Whatever cannot be found is a typed reason, never a number.
+
+pub mod curve;
+pub(crate) mod line;
+
+pub mod stiffness;
+pub mod strength;
+
+pub mod exponential_fit;
+
+#[cfg(test)]
+pub(crate) mod noise;
