@@ -10,6 +10,7 @@
 //! Source: Götz & Pöschel, Granular Matter 25, 61 (2023).
 
 mod cuboid;
+mod health;
 mod hinge;
 mod mesh;
 mod pressure;
@@ -20,6 +21,7 @@ mod stability;
 mod topology;
 
 pub use cuboid::{Cuboid, CuboidError, EDGE_TOLERANCE, MOST_VERTICES};
+pub use health::{Finding, Rest, findings};
 pub use mesh::{Mesh, MeshError};
 pub use pressure::add_pressure;
 pub use spring::Springs;
@@ -277,6 +279,16 @@ impl Membrane {
     #[must_use]
     pub fn elastic_energy(&self) -> f64 {
         self.springs.energy(&self.mesh) + self.hinges.energy(self.mesh.positions())
+    }
+
+    /// What a look at the sheet finds, given the triangles' normals at the last look.
+    #[must_use]
+    pub fn findings(&self, normals_before: &[[f64; 3]]) -> Vec<Finding> {
+        let rest = Rest {
+            lengths: self.springs.rest_lengths(),
+            areas: &self.rest_areas,
+        };
+        findings(&self.mesh, rest, normals_before)
     }
 }
 
