@@ -28,6 +28,7 @@ pub mod contact;
 pub mod neighbor;
 
 pub mod force;
+pub mod membrane;
 pub mod wall;
 
 pub mod scene;

@@ -24,7 +24,7 @@ const LEVELS: [(bool, &[&str]); 10] = [
     (false, &["material", "shape"]),
     (false, &["grains"]),
     (false, &["contact", "neighbor"]),
-    (false, &["force", "wall"]),
+    (false, &["force", "membrane", "wall"]),
     (false, &["scene"]),
     (true, &["observable", "guard"]),
     (false, &["protocol"]),

@@ -1,0 +1,90 @@
+//! The pressure that confines a sheet: a load that follows the triangles.
+
+use super::mesh::Mesh;
+use crate::math::plain;
+
+/// Adds −p A n̂/3 \[N\] of every triangle, in their order, to each of its corners; positive pressure pushes inward.
+///
+/// On a closed mesh this is −p ∂V/∂x, so the forces sum to zero, and to zero torque, and do the work −p dV.
+pub fn add_pressure(mesh: &Mesh, pressure: f64, forces: &mut [[f64; 3]]) {
+    let (sixth, places) = (-pressure / 6.0, mesh.positions());
+    for &corners in mesh.triangles() {
+        let [i, j, k] = corners.map(|vertex| vertex as usize);
+        let (b, c) = (
+            plain::sub(places[j], places[i]),
+            plain::sub(places[k], places[i]),
+        );
+        let share = plain::scale(plain::cross(b, c), sixth);
+        for vertex in [i, j, k] {
+            forces[vertex] = plain::add(forces[vertex], share);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::membrane::shapes::{cases, icosphere};
+    use proptest::prelude::*;
+
+    /// Δp \[Pa\].
+    const PRESSURE: f64 = 9e4;
+
+    /// A crumpled sphere of 162 vertices about 20 mm wide.
+    fn crumpled(shifts: &[f64]) -> Mesh {
+        let mut mesh = icosphere(2, 0.02);
+        let places = mesh.positions_mut().as_flattened_mut();
+        for (part, shift) in places.iter_mut().zip(shifts) {
+            *part += 4e-3 * shift;
+        }
+        mesh
+    }
+
+    fn forces(mesh: &Mesh) -> Vec<[f64; 3]> {
+        let mut forces = vec![[0.0; 3]; mesh.positions().len()];
+        add_pressure(mesh, PRESSURE, &mut forces);
+        forces
+    }
+
+    proptest! {
+        #![proptest_config(cases(64))]
+
+        /// M5.
+        #[test]
+        fn pressure_on_a_closed_sheet_neither_pushes_nor_turns_it(
+            shifts in prop::collection::vec(-1.0..1.0f64, 486),
+        ) {
+            let mesh = crumpled(&shifts);
+            let forces = forces(&mesh);
+            let scale = PRESSURE * mesh.area();
+            let sum = forces.iter().copied().fold([0.0; 3], plain::add);
+            prop_assert!(plain::norm(sum) < 1e-12 * scale, "{:?}", sum);
+            let torques = mesh.positions().iter().zip(&forces).map(|(&x, &f)| plain::cross(x, f));
+            let torque = plain::norm(torques.fold([0.0; 3], plain::add));
+            prop_assert!(torque < 1e-12 * scale * 0.02, "{}", torque);
+        }
+
+        /// M5: the volume is a cubic of the path, so one central difference over a short step is exact enough.
+        #[test]
+        fn work_of_the_pressure_is_that_of_the_volume(
+            shifts in prop::collection::vec(-1.0..1.0f64, 486),
+            steps in prop::collection::vec(-1.0..1.0f64, 486),
+        ) {
+            let mut mesh = crumpled(&shifts);
+            let forces = forces(&mesh);
+            let step = 1e-6;
+            let along = |mesh: &mut Mesh, scale: f64| {
+                let places = mesh.positions_mut().as_flattened_mut();
+                places.iter_mut().zip(&steps).for_each(|(part, by)| *part += scale * by);
+                mesh.volume()
+            };
+            let after = along(&mut mesh, step);
+            let before = along(&mut mesh, -2.0 * step);
+            let work: f64 = forces.as_flattened().iter().zip(&steps).map(|(f, s)| f * s * 2.0 * step).sum();
+            let expected = -PRESSURE * (after - before);
+            // Steps that happen to keep the volume do no work: what counts is the work of a step along the forces.
+            let scale: f64 = forces.iter().map(|&f| plain::norm(f) * 2.0 * step).sum();
+            prop_assert!((work - expected).abs() < 1e-6 * scale, "{} {}", work, expected);
+        }
+    }
+}
