@@ -1,7 +1,7 @@
 //! Materials: Hertz stiffness and damping in the engine's units (R = ρ = E = 1).
 
 /// The elastic constants of one grain material against itself and against rigid walls.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct Material {
     /// k_n \[E R^½\]: f = k_n p^(3/2) between two spheres of radius R (Eq. 3).
     pub normal_stiffness: f64,
@@ -64,6 +64,16 @@ pub struct Pair {
 }
 
 impl Elastic {
+    /// This solid against one that does not give: 1/E = (1 − ν²)/E_i, and likewise across.
+    #[must_use]
+    pub fn against_rigid(self) -> Pair {
+        let same = self.against(self);
+        Pair {
+            modulus: 2.0 * same.modulus,
+            shear_modulus: 2.0 * same.shear_modulus,
+        }
+    }
+
     /// This solid against `other`.
     #[must_use]
     pub fn against(self, other: Self) -> Pair {

@@ -50,7 +50,7 @@ pub struct Sheet {
 /// Resistance of an edge to a change of the angle between its two triangles.
 ///
 /// Hinges k_θ on a lattice of equilateral triangles are a sheet of flexural rigidity D ≈ (√3/2) k_θ.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct Bending {
     /// k_θ \[N m\].
     pub stiffness: f64,
@@ -105,7 +105,7 @@ impl Sheet {
 /// A sheet in motion.
 ///
 /// A step is [`clear_forces`](Self::clear_forces), everything that adds to the forces, [`advance`](Self::advance).
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Default)]
 pub struct Membrane {
     mesh: Mesh,
     springs: Springs,
@@ -179,6 +179,11 @@ impl Membrane {
     #[must_use]
     pub fn forces(&self) -> &[[f64; 3]] {
         &self.forces
+    }
+
+    /// Where the vertices are, their velocities, and where others add forces.
+    pub fn acting(&mut self) -> ([&[[f64; 3]]; 2], &mut [[f64; 3]]) {
+        ([self.mesh.positions(), &self.velocities], &mut self.forces)
     }
 
     /// Where others add their forces \[N\].

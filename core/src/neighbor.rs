@@ -6,9 +6,11 @@
 
 mod all_pairs;
 mod cell_grid;
+mod cells;
 
 pub use all_pairs::all_pairs;
 pub use cell_grid::CellGrid;
+pub use cells::Cells;
 
 use crate::math::plain;
 

@@ -2,21 +2,25 @@
 
 use crate::contact::{Components, TangentialLaw};
 use crate::force::{AffineRate, BodyForce};
-use crate::grains::Grains;
+use crate::grains::{Grains, Size};
 use crate::lanes::{F32x8, F32x16, F64x1, F64x8, Row, Scalar, VectorWidth, dispatch};
 use crate::material::Material;
 use crate::neighbor::Key;
-use crate::shape::{Body, Shape};
+use crate::shape::{Body, GradedSphere, Shape};
 use crate::wall::Walls;
 
+pub mod casing;
 pub(crate) mod contacts;
 mod interact;
 mod lone;
 mod motion;
 pub(crate) mod step;
+pub mod surroundings;
 pub(crate) mod survey;
 
+use casing::Casing;
 use contacts::{Contacts, Live};
+use surroundings::Surroundings;
 
 /// What a scene models, as types: what is absent has size zero and costs nothing.
 pub trait Physics: Copy + Send + Sync + 'static {
@@ -26,13 +30,16 @@ pub trait Physics: Copy + Send + Sync + 'static {
     type Tangential: TangentialLaw;
     /// What acts on every grain besides contacts.
     type Body: BodyForce;
+    /// What grains lie in besides the walls of the box.
+    type Surroundings: Surroundings;
 
     /// Whether grains have an orientation.
     const ORIENTED: bool = Self::Shape::SPHERES > 1;
     /// Whether each grain has a size of its own.
     const GRADED: bool = Self::Shape::GRADED;
     /// Whether anything can spin a grain: a pull along its surface, or a push off its center.
-    const SPINS: bool = Self::Tangential::TANGENTIAL || Self::Shape::SPHERES > 1;
+    const SPINS: bool =
+        Self::Tangential::TANGENTIAL || Self::Shape::SPHERES > 1 || Self::Surroundings::SPINS;
 }
 
 /// A shape, a tangential law and a body force.
@@ -43,6 +50,18 @@ impl<S: Shape, T: TangentialLaw, B: BodyForce> Physics for With<S, T, B> {
     type Shape = S;
     type Tangential = T;
     type Body = B;
+    type Surroundings = ();
+}
+
+/// Spheres of different sizes in a membrane, under a tangential law and a body force.
+#[derive(Clone, Copy, Debug)]
+pub struct Encased<T, B>(std::marker::PhantomData<(T, B)>);
+
+impl<T: TangentialLaw, B: BodyForce> Physics for Encased<T, B> {
+    type Shape = GradedSphere;
+    type Tangential = T;
+    type Body = B;
+    type Surroundings = Casing;
 }
 
 /// The laws of a scene and how it is integrated.
@@ -116,6 +135,8 @@ pub struct Scene<R: Replicas, P: Physics> {
     pub grains: Grains<R>,
     /// The walls.
     pub walls: Walls<R>,
+    /// What grains lie in besides the walls.
+    pub surroundings: P::Surroundings,
     pub(crate) contacts: Contacts<R, P::Tangential>,
     /// The affine motion of the box, for a drag.
     pub(crate) affine: AffineRate<R>,
@@ -128,12 +149,24 @@ impl<R: Replicas, P: Physics> Scene<R, P> {
     /// A scene whose replicas all stand where `grains` and `walls` say.
     #[must_use]
     pub fn new(laws: Laws<P>, grains: Grains<R>, walls: Walls<R>) -> Self {
+        Self::within(laws, grains, walls, P::Surroundings::default())
+    }
+
+    /// The same within `surroundings`.
+    #[must_use]
+    pub fn within(
+        laws: Laws<P>,
+        grains: Grains<R>,
+        walls: Walls<R>,
+        surroundings: P::Surroundings,
+    ) -> Self {
         let contacts = Contacts::new(laws.skin);
         let mut scene = Self {
             laws,
             work: R::Work::new::<P>(&grains),
             grains,
             walls,
+            surroundings,
             contacts,
             affine: AffineRate::default(),
             running: vec![true; R::K],
@@ -156,8 +189,23 @@ impl<R: Replicas, P: Physics> Scene<R, P> {
             leader: leader(&self.running),
             running: &self.running,
         };
-        self.contacts
-            .follow(swept, &self.grains, &self.walls, reach, live);
+        let Self {
+            grains,
+            walls,
+            surroundings,
+            contacts,
+            ..
+        } = self;
+        let renewed = contacts.follow(
+            (swept, &|| surroundings.moved()),
+            grains,
+            walls,
+            reach,
+            live,
+        );
+        if renewed {
+            surroundings.renew(grains, self.laws.skin);
+        }
     }
 
     /// Builds the list of candidates anew.
@@ -168,6 +216,22 @@ impl<R: Replicas, P: Physics> Scene<R, P> {
         };
         self.contacts
             .renew(&self.grains, &self.walls, self.laws.body.reach(), live);
+        self.surroundings.renew(&self.grains, self.laws.skin);
+    }
+
+    /// Gives every grain a new size; only where grains are graded.
+    ///
+    /// # Panics
+    ///
+    /// If there are not as many sizes as grains.
+    pub fn resize(&mut self, sizes: impl ExactSizeIterator<Item = Size>) {
+        assert_eq!(sizes.len(), self.grains.len(), "one size for each grain");
+        let mut most = 0.0f64;
+        for (size, new) in self.grains.sizes.iter_mut().zip(sizes) {
+            most = most.max(new.radius - size.radius);
+            *size = new;
+        }
+        self.contacts.swept += most;
     }
 
     /// Changes how far beyond touching the list reaches; no result depends on it.

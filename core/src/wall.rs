@@ -2,6 +2,8 @@
 //!
 //! Positions and forces are kept in double precision whatever the lanes are.
 
+pub mod press;
+
 use crate::lanes::{Row, Scalar};
 
 /// The largest number of replicas.

@@ -24,7 +24,7 @@ pub enum TangentialStiffness {
 }
 
 /// The law of one pair of materials.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct Mindlin {
     /// κ: the spring's stiffness over the contact's radius \[Pa\].
     stiffness: f64,

@@ -14,7 +14,7 @@ use super::mesh::{Mesh, unit};
 use crate::math::plain;
 
 /// The hinges of a sheet; no hinges if it does not resist folding.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Default)]
 pub(super) struct Hinges {
     corners: Vec<[u32; 4]>,
     /// θ₀.

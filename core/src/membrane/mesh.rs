@@ -77,7 +77,7 @@ pub enum MeshError {
 }
 
 /// A conforming, consistently oriented triangle mesh, with or without border.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Default)]
 pub struct Mesh {
     pub(super) positions: Vec<[f64; 3]>,
     triangles: Vec<[u32; 3]>,

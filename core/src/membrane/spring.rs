@@ -10,7 +10,7 @@ use super::mesh::Mesh;
 use crate::math::plain;
 
 /// One spring and one damper for every edge.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Default)]
 pub struct Springs {
     /// ℓ₀ \[m\].
     rest_lengths: Vec<f64>,

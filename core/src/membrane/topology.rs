@@ -30,7 +30,7 @@ impl Lists {
 }
 
 /// What follows from the triangles' corners alone.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Default)]
 pub(super) struct Topology {
     /// The two ends of every edge, the lower first; edges ascend.
     pub(super) edges: Vec<[u32; 2]>,

@@ -65,7 +65,7 @@ pub(crate) struct Contacts<R: Row, T: TangentialLaw> {
     found: Rows,
     built: Built,
     /// No grain or wall has moved farther than this since the list was built \[R\].
-    swept: f64,
+    pub(super) swept: f64,
     skin: f64,
     /// How often the list was built.
     pub(crate) renewals: u64,
@@ -124,28 +124,32 @@ impl<R: Row, T: TangentialLaw> Contacts<R, T> {
         self.swept = f64::INFINITY;
     }
 
-    /// Takes note that nothing moved farther than `distance`, and renews the list if some pair might be missed.
+    /// Takes note that nothing moved farther than `distance`, and renews the list if some pair might be missed; whether it did.
+    ///
+    /// `moved_around` says how far the surroundings have moved since the list was built.
     pub(crate) fn follow(
         &mut self,
-        distance: f64,
+        (distance, moved_around): (f64, &dyn Fn() -> f64),
         grains: &Grains<R>,
         walls: &Walls<R>,
         reach: f64,
         live: Live<'_>,
-    ) {
+    ) -> bool {
         self.swept += distance;
         // Not `>`: a distance that is not a number must renew too.
         if self.swept <= 0.5 * self.skin {
-            return;
+            return false;
         }
         if self.swept.is_finite() {
-            self.swept = self.measure(grains, walls, reach, live);
+            let within = self.measure(grains, walls, reach, live);
+            self.swept = within.max(moved_around());
             // A list that is almost used up is renewed now rather than measured again at every step.
             if self.swept <= 0.4 * self.skin {
-                return;
+                return false;
             }
         }
         self.renew(grains, walls, reach, live);
+        true
     }
 
     /// How far beyond its slack any sphere or wall of any running replica has moved since the list was built.

@@ -21,6 +21,7 @@ use records::{Ball, halves, records};
 use super::contacts::{Candidate, Contacts};
 use super::interact::{Constants, branch, geometry, interact};
 use super::motion::{Fastest, Load, MotionConstants, RowGrain, advance, push_of_wall};
+use super::surroundings::{OnGrains, Surroundings};
 use super::{Physics, Scene};
 
 /// Lanes.
@@ -43,6 +44,7 @@ impl<P: Physics> Kernel<F64x8> for LoneStep<'_, P> {
             contacts,
             affine,
             work,
+            surroundings,
             ..
         } = self.scene;
         work.write::<W, P>(grains);
@@ -50,6 +52,8 @@ impl<P: Physics> Kernel<F64x8> for LoneStep<'_, P> {
         interact_all::<W, P>(&constants, work, contacts);
         let motion = MotionConstants::<F64x1>::new(laws);
         push_of_walls::<P>(&motion, grains, contacts, walls, &mut work.loads);
+        let mut on = OnGrains(&mut work.loads);
+        surroundings.act::<W>(grains, laws.time_step, &mut on);
 
         let motion = MotionConstants::<W>::new(laws);
         let affine = AffineRate {
@@ -69,7 +73,10 @@ impl<P: Physics> Kernel<F64x8> for LoneStep<'_, P> {
             );
             eight.store::<W, P>(moved, grains);
         }
-        fastest.swept(laws, walls)
+        let swept = fastest.swept(laws, walls);
+        let around = surroundings.advance(laws.time_step);
+        // Not `max`: what is not a number must stay.
+        if around <= swept { swept } else { around }
     }
 }
 

@@ -87,6 +87,12 @@ impl<R: Replicas<Work = Loads<R>>, P: Physics> Kernel<R> for Step<'_, R, P> {
 
     #[inline(always)]
     fn run<L: Lane<Row = R, Scalar = R::Scalar>>(self) -> f64 {
+        const {
+            assert!(
+                size_of::<P::Surroundings>() == 0,
+                "only lone runs have surroundings"
+            );
+        }
         let Scene {
             laws,
             grains,
