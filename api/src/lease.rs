@@ -107,12 +107,15 @@ pub struct JobOutcome {
     pub job: JobId,
     /// Scalars by name.
     pub results: BTreeMap<String, Option<f64>>,
+    /// Why a scalar is `null`, in one word, by the scalar's name.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub reasons: BTreeMap<String, String>,
     /// Files by name.
     #[schema(value_type = BTreeMap<String, String>)]
     pub artifacts: BTreeMap<String, ArtifactHash>,
     /// What a reader of the numbers should know.
     pub warnings: Vec<String>,
-    /// The hash of results, artifacts, warnings and steps, as [`granary_core::stage::Outcome::hash`] makes it.
+    /// The hash of results, reasons, artifacts, warnings and steps, as [`granary_core::stage::Outcome::hash`] makes it.
     #[schema(value_type = String)]
     pub result_hash: ResultHash,
     /// Where and how it was computed.
@@ -123,6 +126,8 @@ pub struct JobOutcome {
 #[derive(Serialize)]
 struct HashedOutcome<'a> {
     results: &'a BTreeMap<String, Option<f64>>,
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    reasons: &'a BTreeMap<String, String>,
     artifacts: &'a BTreeMap<String, ArtifactHash>,
     warnings: &'a [String],
     steps: u64,
@@ -134,6 +139,7 @@ impl JobOutcome {
     pub fn hash(&self) -> ResultHash {
         let hashed = HashedOutcome {
             results: &self.results,
+            reasons: &self.reasons,
             artifacts: &self.artifacts,
             warnings: &self.warnings,
             steps: self.provenance.steps,
@@ -207,6 +213,7 @@ mod tests {
                 ("hold_kinetic_energy".to_owned(), Some(1.0 / 3.0 * 1e-15)),
                 ("fidelity".to_owned(), None),
             ]),
+            reasons: BTreeMap::from([("fidelity".to_owned(), "no_signal".to_owned())]),
             artifacts: BTreeMap::from([(STATE.to_owned(), bytes.clone())]),
             warnings: vec!["γ0 is large".to_owned()],
             steps: 1234,
@@ -214,6 +221,7 @@ mod tests {
         let report = JobOutcome {
             job: JobId::of_bytes(b"a stage"),
             results: outcome.results.clone(),
+            reasons: outcome.reasons.clone(),
             artifacts: BTreeMap::from([(STATE.to_owned(), ArtifactHash::of_bytes(&bytes))]),
             warnings: outcome.warnings.clone(),
             result_hash: outcome.hash(),

@@ -110,6 +110,7 @@ async fn outcome<C: LeaseClient>(client: &C, job: &LeasedJob) -> JobOutcome {
         .expect("stored");
     let outcome = Outcome {
         results: BTreeMap::from([("volume_fraction".to_owned(), Some(0.7))]),
+        reasons: BTreeMap::new(),
         artifacts: BTreeMap::from([(STATE.to_owned(), bytes.into())]),
         warnings: vec![],
         steps: 1000,
@@ -118,6 +119,7 @@ async fn outcome<C: LeaseClient>(client: &C, job: &LeasedJob) -> JobOutcome {
         job: job.job,
         result_hash: outcome.hash(),
         results: outcome.results,
+        reasons: outcome.reasons,
         artifacts: BTreeMap::from([(STATE.to_owned(), hash)]),
         warnings: outcome.warnings,
         provenance: Provenance {

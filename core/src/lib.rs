@@ -45,6 +45,8 @@ pub mod memory;
 pub mod bench;
 pub mod stage;
 
+pub mod model;
+
 /// The version of the physics: raised whenever the bits of any outcome change.
 ///
 /// It enters every [`identity::StageId`], so outcomes of another version are never taken for this one's.

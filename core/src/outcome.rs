@@ -17,8 +17,10 @@ pub const HISTORY: &str = "history";
 /// What a stage yields.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outcome {
-    /// Scalars by name; `None` where a number has no meaning, with the reason among the warnings.
+    /// Scalars by name; `None` where a number has no meaning, with the reason among the reasons or the warnings.
     pub results: BTreeMap<String, Option<f64>>,
+    /// Why a scalar is `None`, in one word of a fixed set, by the scalar's name; tables call it `{name}_reason`.
+    pub reasons: BTreeMap<String, String>,
     /// Files by name ([`STATE`], [`SIGNAL`], [`HISTORY`]).
     pub artifacts: BTreeMap<String, Vec<u8>>,
     /// What a reader of the numbers should know, in full sentences.
@@ -31,6 +33,8 @@ pub struct Outcome {
 #[derive(Serialize)]
 struct HashedOutcome<'a> {
     results: &'a BTreeMap<String, Option<f64>>,
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    reasons: &'a BTreeMap<String, String>,
     artifacts: BTreeMap<&'a str, ArtifactHash>,
     warnings: &'a [String],
     steps: u64,
@@ -46,6 +50,7 @@ impl Outcome {
             .map(|(name, bytes)| (name.as_str(), ArtifactHash::of_bytes(bytes)));
         let hashed = HashedOutcome {
             results: &self.results,
+            reasons: &self.reasons,
             artifacts: artifacts.collect(),
             warnings: &self.warnings,
             steps: self.steps,
@@ -96,3 +101,29 @@ pub struct Report<'a> {
 
 /// The caller's side of a run: called about every hundred steps, never between two halves of one.
 pub type Watch<'a> = &'a mut dyn FnMut(&Report<'_>) -> ControlFlow<()>;
+
+/// The caller, and how many steps it was told to expect.
+pub(crate) struct Progress<'a> {
+    /// The caller's side.
+    pub(crate) watch: Watch<'a>,
+    /// Steps in all.
+    pub(crate) steps: u64,
+}
+
+impl Progress<'_> {
+    /// Reports `step` and asks whether to go on.
+    pub(crate) fn ask(
+        &mut self,
+        step: u64,
+        checkpoint: &dyn Fn() -> Vec<Vec<u8>>,
+    ) -> Result<(), StageFailure> {
+        match (self.watch)(&Report {
+            step,
+            steps: self.steps.max(step),
+            checkpoint,
+        }) {
+            ControlFlow::Continue(()) => Ok(()),
+            ControlFlow::Break(()) => Err(StageFailure::Interrupted { step }),
+        }
+    }
+}

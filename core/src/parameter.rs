@@ -3,9 +3,11 @@
 //! A table feeds validation, defaults, the JSON Schema of `/models`, the form and the docs.
 
 use serde::Serialize;
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
 
 use crate::identity::canonical_number;
+
+mod row;
 
 /// The section of a sweep in which a parameter may be fixed; axes name every parameter flat.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -89,17 +91,59 @@ pub struct Parameter {
     pub sentence: &'static str,
 }
 
+/// A rule between parameters that are each allowed.
+#[derive(Clone, Copy, Debug)]
+pub struct Rule {
+    /// Those that it is about; the first is the one to change.
+    pub parameters: &'static [&'static str],
+    /// What is wrong with a point that breaks it, all its parameters given; `None` if it is kept.
+    pub broken: fn(&Map<String, Value>) -> Option<String>,
+}
+
+/// A named choice of parameters; what the spec writes wins over it.
+#[derive(Clone, Copy, Debug)]
+pub struct Preset {
+    /// The name in specs.
+    pub name: &'static str,
+    /// The parameters that it sets, all others keep their default.
+    pub values: &'static [(&'static str, DefaultValue)],
+    /// What it is for, in one sentence.
+    pub sentence: &'static str,
+}
+
+/// The defaults of `table` with those of the preset called `name` over them; `None` if there is no such preset.
+pub(crate) fn defaults(
+    table: &[Parameter],
+    presets: &[Preset],
+    name: &str,
+) -> Option<Map<String, Value>> {
+    let preset = presets.iter().find(|preset| preset.name == name)?;
+    let rows = table.iter().map(|row| {
+        let own = preset.values.iter().find(|(name, _)| *name == row.name);
+        let default = own.map_or(row.default, |(_, value)| *value);
+        (row.name.to_owned(), default.value())
+    });
+    Some(rows.collect())
+}
+
+impl DefaultValue {
+    /// The value as JSON; `null` if it is derived.
+    fn value(self) -> Value {
+        match self {
+            Self::Real(value) => json!(value),
+            Self::Integer(value) => json!(value),
+            Self::Text(value) => json!(value),
+            Self::Flag(value) => json!(value),
+            Self::Derived => Value::Null,
+        }
+    }
+}
+
 impl Parameter {
     /// The default as JSON; `null` if it is derived.
     #[must_use]
     pub fn default_value(&self) -> Value {
-        match self.default {
-            DefaultValue::Real(value) => json!(value),
-            DefaultValue::Integer(value) => json!(value),
-            DefaultValue::Text(value) => json!(value),
-            DefaultValue::Flag(value) => json!(value),
-            DefaultValue::Derived => Value::Null,
-        }
+        self.default.value()
     }
 
     /// `value` in canonical form if it is allowed; otherwise the rule it breaks.

@@ -6,13 +6,16 @@
 use serde::{Deserialize, Serialize};
 
 use crate::PHYSICS_VERSION;
+use crate::beam::spec::{BendSpec, GrowSpec, JamSpec};
 use crate::identity::{StageId, canonical_json};
 use crate::lanes::VectorWidth;
-use crate::memory::spec::{MemoryPoint, PackSpec, Precision, RecallSpec, ShapeName, TrainSpec};
+use crate::memory::spec::{PackSpec, Precision, RecallSpec, TrainSpec};
 use crate::memory::waveform::Waveform;
 
 mod choose;
-use crate::memory::{hold_steps, ramp_steps};
+mod work;
+
+pub use work::Work;
 
 pub use crate::outcome::{HISTORY, Outcome, Report, SIGNAL, STATE, StageFailure, Watch};
 
@@ -26,11 +29,24 @@ pub enum StageKind {
     Train,
     /// One waveform stored in it and recalled.
     Recall,
+    /// Grains grown in a mold without friction.
+    Grow,
+    /// The grains compacted in their membrane.
+    Jam,
+    /// The beam bent.
+    Bend,
 }
 
 impl StageKind {
-    /// Every kind.
-    pub const ALL: [Self; 3] = [Self::Pack, Self::Train, Self::Recall];
+    /// Every kind, each after the one that it needs.
+    pub const ALL: [Self; 6] = [
+        Self::Pack,
+        Self::Train,
+        Self::Recall,
+        Self::Grow,
+        Self::Jam,
+        Self::Bend,
+    ];
 
     /// The name in the database and on the wire.
     #[must_use]
@@ -39,6 +55,9 @@ impl StageKind {
             Self::Pack => "pack",
             Self::Train => "train",
             Self::Recall => "recall",
+            Self::Grow => "grow",
+            Self::Jam => "jam",
+            Self::Bend => "bend",
         }
     }
 }
@@ -53,6 +72,12 @@ pub enum StageSpec {
     Train(TrainSpec),
     /// See [`RecallSpec`].
     Recall(RecallSpec),
+    /// See [`GrowSpec`].
+    Grow(GrowSpec),
+    /// See [`JamSpec`].
+    Jam(JamSpec),
+    /// See [`BendSpec`].
+    Bend(BendSpec),
 }
 
 /// What an identity is the hash of.
@@ -71,6 +96,9 @@ impl StageSpec {
             Self::Pack(_) => StageKind::Pack,
             Self::Train(_) => StageKind::Train,
             Self::Recall(_) => StageKind::Recall,
+            Self::Grow(_) => StageKind::Grow,
+            Self::Jam(_) => StageKind::Jam,
+            Self::Bend(_) => StageKind::Bend,
         }
     }
 
@@ -90,9 +118,11 @@ impl StageSpec {
     #[must_use]
     pub fn needs(&self) -> Option<StageId> {
         match self {
-            Self::Pack(_) => None,
+            Self::Pack(_) | Self::Grow(_) => None,
             Self::Train(spec) => Some(spec.pack),
             Self::Recall(spec) => Some(spec.train),
+            Self::Jam(spec) => Some(spec.grow),
+            Self::Bend(spec) => Some(spec.jam),
         }
     }
 
@@ -100,7 +130,6 @@ impl StageSpec {
     #[must_use]
     pub fn ensemble_key(&self) -> StageId {
         match self {
-            Self::Pack(_) | Self::Train(_) => self.id(),
             Self::Recall(spec) => {
                 let spec = RecallSpec {
                     waveform: Waveform::Zero,
@@ -109,6 +138,7 @@ impl StageSpec {
                 };
                 Self::Recall(spec).id()
             }
+            alone => alone.id(),
         }
     }
 
@@ -116,7 +146,6 @@ impl StageSpec {
     #[must_use]
     pub fn max_lanes(&self) -> usize {
         match self {
-            Self::Pack(_) | Self::Train(_) => 1,
             Self::Recall(RecallSpec {
                 precision: Precision::F64,
                 ..
@@ -125,66 +154,9 @@ impl StageSpec {
                 precision: Precision::F32,
                 ..
             }) => 16,
+            _ => 1,
         }
     }
-
-    /// Time steps; an estimate for `pack`, whose servo ends when the grains rest.
-    #[must_use]
-    pub fn steps(&self) -> u64 {
-        match self {
-            Self::Pack(spec) => spec.predicted_steps(),
-            Self::Train(spec) => 2 * ramp_steps(spec.ramp, spec.time_step),
-            Self::Recall(spec) => {
-                let ramp = ramp_steps(spec.ramp, spec.time_step);
-                let hold = hold_steps(spec.hold, ramp);
-                2 * ramp + hold + if spec.second_cycle { 2 * ramp } else { 0 }
-            }
-        }
-    }
-
-    /// How much work the stage is; `pack` is the pack that it happens in.
-    #[must_use]
-    pub fn work(&self, pack: &PackSpec) -> Work {
-        let (grains, steps) = (u64::from(pack.grains), self.steps());
-        let spheres = if pack.shape == ShapeName::Sphere {
-            1
-        } else {
-            4
-        };
-        // Generous per-grain sizes of one lane: state, list and springs (`granary bench` prints the measured ones).
-        let (scalar, lanes) = match self {
-            Self::Recall(spec) if spec.precision == Precision::F32 => (4, 16),
-            Self::Recall(_) => (8, 8),
-            _ => (8, 1),
-        };
-        let contacts = if spheres == 1 { 6 } else { 12 };
-        let bytes = grains * ((19 + 3 * contacts) * scalar * lanes + contacts * 64 + 256);
-        Work {
-            grain_steps: grains.saturating_mul(steps),
-            steps,
-            bytes,
-        }
-    }
-}
-
-/// The size of a stage's work, known before it runs.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Work {
-    /// Grains times steps.
-    pub grain_steps: u64,
-    /// Time steps.
-    pub steps: u64,
-    /// Memory of the ensemble that the stage would run in \[bytes\].
-    pub bytes: u64,
-}
-
-/// The three stages of a point, in the order in which they must run.
-#[must_use]
-pub fn stages_of(point: &MemoryPoint) -> [StageSpec; 3] {
-    let pack = StageSpec::Pack(point.pack());
-    let train = StageSpec::Train(point.train(pack.id()));
-    let recall = StageSpec::Recall(point.recall(train.id()));
-    [pack, train, recall]
 }
 
 /// The jobs of one ensemble.

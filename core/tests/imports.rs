@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 /// The modules by level; `true` where one may import those that stand before it on its own level.
 ///
 /// The others on a level are strangers: a contact law never sees the neighbor list, nor the list a law.
-const LEVELS: [(bool, &[&str]); 10] = [
+const LEVELS: [(bool, &[&str]); 11] = [
     (
         true,
         &[
@@ -30,6 +30,7 @@ const LEVELS: [(bool, &[&str]); 10] = [
     (false, &["protocol"]),
     (false, &["beam", "memory"]),
     (false, &["bench", "stage"]),
+    (false, &["model"]),
 ];
 
 fn repository() -> PathBuf {

@@ -74,6 +74,7 @@ impl Report {
         self.completion.outcomes.push(JobOutcome {
             job: job.job,
             results: outcome.results,
+            reasons: outcome.reasons,
             artifacts,
             warnings: outcome.warnings,
             result_hash,

@@ -6,6 +6,8 @@
 //! Otherwise the force is the trial force scaled to the limit, without a dashpot, and ξ is set so that the spring gives it.
 //! The spring is not conservative while the overlap changes.
 
+use serde::{Deserialize, Serialize};
+
 use super::elongation::carried;
 use super::{Contact, TangentialLaw};
 use crate::lanes::{Lane, Mask};
@@ -13,7 +15,8 @@ use crate::material::Pair;
 use crate::math::Vec3;
 
 /// Which stiffness of the spring is meant; G is 1/G = (2 − ν_i)/G_i + (2 − ν_j)/G_j, with G_i = E_i/(2(1 + ν_i)).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum TangentialStiffness {
     /// (2/3)·16 G a: (A2) and (A3) as printed, with the modulus of one body.
     Paper,

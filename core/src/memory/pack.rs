@@ -10,7 +10,7 @@ use self::settle::{Preparation, SERVO_SPEED};
 use super::cycle::{Cycle, Drive, Segment, Track};
 use super::gas::Lattice;
 use super::ramp_steps;
-use super::run::{self, Progress};
+use super::run;
 use super::spec::{PackSpec, ShapeName};
 use super::state::{Checkpoint, Past};
 use crate::contact::frictionless::Frictionless;
@@ -21,7 +21,7 @@ use crate::material::Material;
 use crate::math::plain;
 use crate::observable::critical_time_step::{Across, CriticalTimeStep, critical_time_step};
 use crate::observable::observe;
-use crate::outcome::{Outcome, STATE, StageFailure};
+use crate::outcome::{Outcome, Progress, STATE, StageFailure};
 use crate::protocol::{Box2, Servo};
 use crate::scene::{Laws, Scene, With};
 use crate::shape::{Body, Shape};
@@ -244,6 +244,7 @@ fn cycles<S: Shape>(
     let state = run::state_of(&drive.scene, past);
     Ok(Outcome {
         results,
+        reasons: BTreeMap::new(),
         artifacts: BTreeMap::from([(STATE.to_owned(), state.to_bytes())]),
         warnings: vec![],
         steps,

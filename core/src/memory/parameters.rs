@@ -1,6 +1,6 @@
 //! The parameter table of the memory experiment, its presets, and the rules between parameters.
 
-use crate::parameter::{Bound, DefaultValue, Domain, Parameter, Section};
+use crate::parameter::{Bound, DefaultValue, Domain, Parameter, Preset, Section};
 
 use super::waveform::Waveform;
 
@@ -8,23 +8,6 @@ use Bound::{Closed, Open};
 
 fn canonical_waveform(value: &serde_json::Value) -> Result<serde_json::Value, String> {
     Waveform::parse(value).map(|waveform| waveform.to_value())
-}
-
-/// Whether `name` is a preset.
-#[must_use]
-pub fn is_preset(name: &str) -> bool {
-    PRESETS.iter().any(|preset| preset.name == name)
-}
-
-/// A named choice of numerics; what the spec writes wins over it.
-#[derive(Clone, Copy, Debug)]
-pub struct Preset {
-    /// `draft`, `standard` or `paper`.
-    pub name: &'static str,
-    /// The parameters that it sets, all others keep their default.
-    pub values: &'static [(&'static str, DefaultValue)],
-    /// What it is for, in one sentence.
-    pub sentence: &'static str,
 }
 
 /// Named trades of cost against accuracy: `standard` is the table's defaults.
@@ -53,128 +36,74 @@ pub const PRESETS: &[Preset] = &[
     },
 ];
 
-const fn real(
-    section: Section,
-    (name, symbol, unit): (&'static str, &'static str, &'static str),
-    (low, high): (Bound, Bound),
-    default: f64,
-    sentence: &'static str,
-) -> Parameter {
-    Parameter {
-        name,
-        symbol,
-        unit,
-        section,
-        domain: Domain::Real(low, high),
-        default: DefaultValue::Real(default),
-        sentence,
-    }
-}
-
-const fn integer(
-    section: Section,
-    (name, symbol): (&'static str, &'static str),
-    (low, high): (i64, i64),
-    default: i64,
-    sentence: &'static str,
-) -> Parameter {
-    Parameter {
-        name,
-        symbol,
-        unit: "",
-        section,
-        domain: Domain::Integer(low, high),
-        default: DefaultValue::Integer(default),
-        sentence,
-    }
-}
-
-const fn choice(
-    section: Section,
-    (name, symbol): (&'static str, &'static str),
-    words: &'static [&'static str],
-    default: &'static str,
-    sentence: &'static str,
-) -> Parameter {
-    Parameter {
-        name,
-        symbol,
-        unit: "",
-        section,
-        domain: Domain::Choice(words),
-        default: DefaultValue::Text(default),
-        sentence,
-    }
-}
-
 /// Every parameter of the memory experiment.
 ///
 /// Defaults are the paper's (Secs. II.1–II.3), what the paper leaves open is as in docs/choices.md §§2–3.
 pub const PARAMETERS: &[Parameter] = &[
-    integer(
+    Parameter::integer(
         Section::Fixed,
         ("grains", "N"),
         (1, 10_000_000),
         10_240,
         "Number of grains in the pack.",
     ),
-    choice(
+    Parameter::choice(
         Section::Fixed,
         ("shape", "shape"),
         &["tetrahedron", "sphere"],
         "tetrahedron",
         "A grain is one sphere, or the rigid union of four spheres at the corners of a regular tetrahedron.",
     ),
-    real(
+    Parameter::real(
         Section::Fixed,
         ("overlap", "𝒪", ""),
         (Closed(0.0), Closed(1.0)),
         0.6,
         "How far the four spheres of a tetrahedral grain overlap: centre distance 2R(1 − 𝒪); 1 is a single sphere.",
     ),
-    real(
+    Parameter::real(
         Section::Fixed,
         ("radius", "R", "m"),
         (Open(0.0), Closed(1.0)),
         0.5e-3,
         "Radius of every sphere.",
     ),
-    real(
+    Parameter::real(
         Section::Fixed,
         ("density", "ρ", "kg/m³"),
         (Open(0.0), Closed(1e6)),
         1200.0,
         "Density of the grain material.",
     ),
-    real(
+    Parameter::real(
         Section::Fixed,
         ("youngs_modulus", "E", "Pa"),
         (Open(0.0), Closed(1e13)),
         1e7,
         "Young's modulus of the grain material.",
     ),
-    real(
+    Parameter::real(
         Section::Fixed,
         ("poisson_ratio", "ν", ""),
         (Open(-1.0), Closed(0.5)),
         0.49,
         "Poisson's ratio of the grain material.",
     ),
-    real(
+    Parameter::real(
         Section::Fixed,
         ("friction_coefficient", "μ", ""),
         (Closed(0.0), Closed(100.0)),
         1.0,
         "Coulomb friction between grains from the training cycle on; packs are made without friction.",
     ),
-    choice(
+    Parameter::choice(
         Section::Fixed,
         ("force_law", "law"),
         &["H"],
         "H",
         "Tangential force law: H is a linear spring and dashpot under a Coulomb limit (Eq. 4).",
     ),
-    real(
+    Parameter::real(
         Section::Fixed,
         ("typical_overlap", "p_typ", "R"),
         (Open(0.0), Closed(0.5)),
@@ -190,49 +119,49 @@ pub const PARAMETERS: &[Parameter] = &[
         default: DefaultValue::Derived,
         sentence: "Stiffness of law H; by default k_M √p_typ with k_M = 3 k_n (1 − ν)/(2 − ν).",
     },
-    real(
+    Parameter::real(
         Section::Fixed,
         ("normal_damping", "γ_n/k_n", "t_c"),
         (Closed(0.0), Closed(10.0)),
         0.23,
         "Damping of the normal force over its stiffness (Eq. 3).",
     ),
-    real(
+    Parameter::real(
         Section::Fixed,
         ("tangential_damping_ratio", "(γ_H/k_H)/(γ_n/k_n)", ""),
         (Closed(0.0), Closed(10.0)),
         0.3,
         "Damping over stiffness of the tangential force, relative to the normal force's.",
     ),
-    real(
+    Parameter::real(
         Section::Fixed,
         ("wall_stiffness", "k_w/k_n", ""),
         (Open(0.0), Closed(100.0)),
         2.828_427_124_746_190_3,
         "Hertz stiffness of a sphere at a flat rigid wall over that of two spheres: 2^(3/2) by Hertz.",
     ),
-    real(
+    Parameter::real(
         Section::Fixed,
         ("delta0", "δ0", ""),
         (Open(0.0), Closed(0.3)),
         0.05,
         "Volume strain of every compression; packs are prepared with the same.",
     ),
-    real(
+    Parameter::real(
         Section::Fixed,
         ("gamma0", "γ0", ""),
         (Open(0.0), Closed(0.5)),
         1e-3,
         "Amplitude of the shear strain that carries the waveform, half on each axis.",
     ),
-    real(
+    Parameter::real(
         Section::Fixed,
         ("servo_pressure", "p_z/E", ""),
         (Open(0.0), Closed(0.1)),
         2e-3,
         "Pressure that packs are assembled under, over Young's modulus.",
     ),
-    integer(
+    Parameter::integer(
         Section::Fixed,
         ("packing_seed", "seed"),
         (0, 9_007_199_254_740_991),
@@ -248,35 +177,35 @@ pub const PARAMETERS: &[Parameter] = &[
         default: DefaultValue::Text("zero"),
         sentence: "The waveform to store: zero, six/1 … six/6, binary_words/L/WORD, or a table of bumps.",
     },
-    real(
+    Parameter::real(
         Section::Numerics,
         ("time_step", "Δt", "t_c"),
         (Open(0.0), Closed(100.0)),
         1.5,
         "Largest time step; it is shortened so that every sample falls on a step.",
     ),
-    real(
+    Parameter::real(
         Section::Numerics,
         ("ramp", "t0", "t_c"),
         (Closed(100.0), Closed(1e8)),
         18_000.0,
         "Duration of one compression or decompression.",
     ),
-    real(
+    Parameter::real(
         Section::Numerics,
         ("drag", "η", "1/t_c"),
         (Closed(0.0), Closed(1.0)),
         0.0,
         "Drag per mass on the motion that departs from the affine one, and on rotation.",
     ),
-    real(
+    Parameter::real(
         Section::Numerics,
         ("hold", "t_hold/t0", ""),
         (Closed(0.0), Closed(100.0)),
         0.2,
         "Storage time between encoding and decoding, in ramps.",
     ),
-    choice(
+    Parameter::choice(
         Section::Numerics,
         ("precision", "precision"),
         &["f32", "f64"],
@@ -292,49 +221,49 @@ pub const PARAMETERS: &[Parameter] = &[
         default: DefaultValue::Flag(true),
         sentence: "Whether a second cycle without a waveform follows, which SUB2 and SUB2-BL need; it doubles a recall's cost.",
     },
-    real(
+    Parameter::real(
         Section::Numerics,
         ("skin", "skin", "R"),
         (Open(0.0), Closed(1.0)),
         0.1,
         "How far beyond touching the neighbor list reaches.",
     ),
-    real(
+    Parameter::real(
         Section::Preparation,
         ("gas_speed", "v_gas", "R/t_c"),
         (Open(0.0), Closed(0.1)),
         0.02,
         "Largest component of the random velocities that the lattice of grains starts with.",
     ),
-    real(
+    Parameter::real(
         Section::Preparation,
         ("gas_time", "t_gas", "t_c"),
         (Closed(0.0), Closed(1e6)),
         3_000.0,
         "How long the gas of grains is mixed in a fixed box.",
     ),
-    integer(
+    Parameter::integer(
         Section::Preparation,
         ("preparation_cycles", "cycles"),
         (0, 10),
         2,
         "Frictionless compression cycles before the pack is called prepared.",
     ),
-    real(
+    Parameter::real(
         Section::Preparation,
         ("preparation_time_step", "Δt_prep", "t_c"),
         (Open(0.0), Closed(100.0)),
         1.0,
         "Time step while a pack is made.",
     ),
-    real(
+    Parameter::real(
         Section::Preparation,
         ("preparation_ramp", "t0_prep", "t_c"),
         (Closed(100.0), Closed(1e8)),
         18_000.0,
         "Duration of one compression or decompression while a pack is made.",
     ),
-    real(
+    Parameter::real(
         Section::Preparation,
         ("rest_kinetic_energy", "K_rest", "E R³"),
         (Open(0.0), Closed(1e-4)),

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use super::cycle::{Cycle, Drive, Program, Sample, Segment, Track};
-use super::run::{self, Progress};
+use super::run;
 use super::score::Signal;
 use super::spec::RecallSpec;
 use super::state::{Checkpoint, PackState, Past};
@@ -15,7 +15,7 @@ use super::{hold_steps, ramp_steps};
 use crate::grains::Grains;
 use crate::identity::canonical_json;
 use crate::observable::critical_time_step::{CriticalTimeStep, critical_time_step};
-use crate::outcome::{HISTORY, Outcome, SIGNAL, StageFailure};
+use crate::outcome::{HISTORY, Outcome, Progress, SIGNAL, StageFailure};
 use crate::scene::{Physics, Replicas, Scene};
 use crate::wall::Walls;
 
@@ -234,6 +234,7 @@ fn outcome<R: Replicas, P: Physics>(
     let history = history(&series, past.pack.youngs_modulus);
     Outcome {
         results,
+        reasons: BTreeMap::new(),
         artifacts: BTreeMap::from([
             (SIGNAL.to_owned(), canonical_json(&signal).into_bytes()),
             (HISTORY.to_owned(), canonical_json(&history).into_bytes()),

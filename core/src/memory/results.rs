@@ -2,117 +2,104 @@
 
 use crate::parameter::Quantity;
 
-const fn row(
-    name: &'static str,
-    (symbol, unit): (&'static str, &'static str),
-    sentence: &'static str,
-) -> Quantity {
-    Quantity {
-        name,
-        symbol,
-        unit,
-        sentence,
-    }
-}
-
 /// Every result, those of sets first; a set of means adds `_sem` to a name for its standard error.
 pub const RESULTS: &[Quantity] = &[
-    row(
+    Quantity::new(
         "gain",
         ("𝒢", ""),
         "Gain: how much of the stored waveform comes back (Appendix B).",
     ),
-    row(
+    Quantity::new(
         "gain_e_delta0",
         ("𝒢·E·δ0", "Pa"),
         "Gain times Young's modulus and volume strain.",
     ),
-    row(
+    Quantity::new(
         "fidelity",
         ("𝓕", ""),
         "Fidelity: 1 if what comes back has exactly the stored shape; 1 − √(1 − C²) (Eq. 21).",
     ),
-    row(
+    Quantity::new(
         "correlation",
         ("C", ""),
         "Correlation of what comes back with the stored waveform; its sign is the gain's.",
     ),
-    row(
+    Quantity::new(
         "encode_correlation",
         ("C_enc", ""),
         "Correlation of the shear stress with the waveform while it is stored.",
     ),
-    row(
+    Quantity::new(
         "hold_kinetic_energy",
         ("K_hold", "E R³"),
         "Kinetic energy per grain at the end of the hold.",
     ),
-    row(
+    Quantity::new(
         "largest_overlap",
         ("δ_max", "R"),
         "Largest overlap of two spheres in the whole run.",
     ),
-    row(
+    Quantity::new(
         "time_step",
         ("Δt", "t_c"),
         "Time step taken: the one asked for, shortened so that every sample falls on a step.",
     ),
-    row(
+    Quantity::new(
         "critical_time_step",
         ("Δt_crit", "t_c"),
         "Smallest critical time step measured in the run: below it no motion grew.",
     ),
-    row(
+    Quantity::new(
         "critical_time_step_error",
         ("δΔt_crit", "t_c"),
         "How much larger the critical time step can be at most.",
     ),
-    row(
+    Quantity::new(
         "volume_fraction",
         ("φ", ""),
         "Volume fraction before the compression that encodes.",
     ),
-    row(
+    Quantity::new(
         "coordination_number",
         ("Z", ""),
         "Grains that touch a grain, on average, before the compression that encodes.",
     ),
-    row(
+    Quantity::new(
         "sphere_contacts_per_grain",
         ("Z_s", ""),
         "Touching pairs of spheres, each counted once, over the grains, before the compression that encodes.",
     ),
-    row(
+    Quantity::new(
         "wall_contacts_per_grain",
         ("Z_w", ""),
         "Spheres that touch a wall, over the grains, before the compression that encodes.",
     ),
-    row(
+    Quantity::new(
         "kinetic_energy",
         ("K", "E R³"),
         "Kinetic energy per grain before the compression that encodes.",
     ),
-    row(
+    Quantity::new(
         "volume_fraction_compressed",
         ("φ*", ""),
         "Volume fraction at full compression.",
     ),
-    row(
+    Quantity::new(
         "coordination_number_compressed",
         ("Z*", ""),
         "Grains that touch a grain, on average, at full compression.",
     ),
-    row(
+    Quantity::new(
         "sphere_contacts_per_grain_compressed",
         ("Z_s*", ""),
         "Touching pairs of spheres, each counted once, over the grains, at full compression.",
     ),
-    row(
+    Quantity::new(
         "wall_contacts_per_grain_compressed",
         ("Z_w*", ""),
         "Spheres that touch a wall, over the grains, at full compression.",
     ),
-    row(
+    Quantity::new(
         "kinetic_energy_compressed",
         ("K*", "E R³"),
         "Kinetic energy per grain at full compression.",

@@ -1,7 +1,6 @@
 //! What the stages of the memory experiment share: driving, checkpoints, and names of results.
 
 use std::collections::BTreeMap;
-use std::ops::ControlFlow;
 
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -13,35 +12,9 @@ use crate::grains::{Grains, Pose};
 use crate::guard::{Guard, Stop};
 use crate::observable::Observation;
 use crate::observable::critical_time_step::CriticalTimeStep;
-use crate::outcome::{Report, StageFailure, Watch};
+use crate::outcome::{Progress, StageFailure};
 use crate::scene::{Laws, Physics, Replicas, Scene, history_components};
 use crate::wall::{WALLS, Walls};
-
-/// The caller, and how many steps it was told to expect.
-pub(crate) struct Progress<'a> {
-    /// The caller's side.
-    pub(crate) watch: Watch<'a>,
-    /// Steps in all.
-    pub(crate) steps: u64,
-}
-
-impl Progress<'_> {
-    /// Reports `step` and asks whether to go on.
-    pub(crate) fn ask(
-        &mut self,
-        step: u64,
-        checkpoint: &dyn Fn() -> Vec<Vec<u8>>,
-    ) -> Result<(), StageFailure> {
-        match (self.watch)(&Report {
-            step,
-            steps: self.steps.max(step),
-            checkpoint,
-        }) {
-            ControlFlow::Continue(()) => Ok(()),
-            ControlFlow::Break(()) => Err(StageFailure::Interrupted { step }),
-        }
-    }
-}
 
 /// The failure of a replica that the guard stopped.
 pub(crate) fn stopped(step: u64, stop: Stop) -> StageFailure {

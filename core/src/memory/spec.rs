@@ -8,6 +8,7 @@ use serde_json::{Map, Value};
 use super::parameters::{PARAMETERS, PRESETS};
 use super::waveform::Waveform;
 use crate::identity::StageId;
+use crate::parameter;
 
 /// The shape of every grain.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -185,23 +186,7 @@ impl MemoryPoint {
     /// The table's defaults with those of `preset` over them; `None` if there is no such preset.
     #[must_use]
     pub fn defaults(preset: &str) -> Option<Map<String, Value>> {
-        let preset = PRESETS.iter().find(|p| p.name == preset)?;
-        let mut map = Map::new();
-        for parameter in PARAMETERS {
-            map.insert(parameter.name.to_owned(), parameter.default_value());
-        }
-        for (name, value) in preset.values {
-            let row = PARAMETERS
-                .iter()
-                .find(|p| p.name == *name)
-                .expect("presets name parameters of the table");
-            let row = crate::parameter::Parameter {
-                default: *value,
-                ..*row
-            };
-            map.insert((*name).to_owned(), row.default_value());
-        }
-        Some(map)
+        parameter::defaults(PARAMETERS, PRESETS, preset)
     }
 
     /// A point from all its parameters, each already checked against the table.

@@ -7,14 +7,14 @@ use serde::{Deserialize, Serialize};
 use super::cycle::{Cycle, Drive, Segment, Track};
 use super::pack::{body, material};
 use super::ramp_steps;
-use super::run::{self, Progress};
+use super::run;
 use super::spec::TrainSpec;
 use super::state::{Checkpoint, PackState, Past};
 use crate::grains::Grains;
 use crate::lanes::{F64x1, VectorWidth};
 use crate::observable::critical_time_step::{Across, CriticalTimeStep, critical_time_step};
 use crate::observable::observe;
-use crate::outcome::{Outcome, STATE, StageFailure};
+use crate::outcome::{Outcome, Progress, STATE, StageFailure};
 use crate::protocol::Box2;
 use crate::scene::{Laws, Physics, Scene};
 use crate::wall::Walls;
@@ -184,6 +184,7 @@ fn outcome<P: Physics>(spec: &TrainSpec, input: &PackState, drive: &Drive<F64x1,
     let state = run::state_of(&drive.scene, past);
     Outcome {
         results,
+        reasons: BTreeMap::new(),
         artifacts: BTreeMap::from([(STATE.to_owned(), state.to_bytes())]),
         warnings: vec![],
         steps: drive.cycle.steps(),

@@ -1,6 +1,7 @@
 //! The one place where a spec becomes types: every combination that is compiled is listed here.
 
 use super::{Ensemble, StageSpec};
+use crate::beam::{bend, grow, jam};
 use crate::contact::TangentialLaw;
 use crate::contact::frictionless::Frictionless;
 use crate::contact::hooke::Hooke;
@@ -9,12 +10,11 @@ use crate::lanes::{F32x8, F32x16, F64x1, F64x8, VectorWidth};
 use crate::material::Units;
 use crate::memory::pack;
 use crate::memory::recall::{self, Recalls};
-use crate::memory::run::Progress;
 use crate::memory::spec::{Precision, RecallSpec, ShapeName, TrainSpec};
 use crate::memory::state::{PackState, Past};
 use crate::memory::train::{self, Chosen};
 use crate::observable::critical_time_step::Across;
-use crate::outcome::{Outcome, StageFailure, Watch};
+use crate::outcome::{Outcome, Progress, StageFailure, Watch};
 use crate::scene::With;
 use crate::shape::{Shape, Sphere, Tetrahedron};
 
@@ -23,7 +23,8 @@ type Outcomes = Result<Vec<Result<Outcome, StageFailure>>, StageFailure>;
 /// Runs an ensemble with the types that its specs ask for.
 pub(super) fn run(ensemble: &Ensemble<'_>, width: VectorWidth, watch: Watch<'_>) -> Outcomes {
     let (first, steps) = match ensemble.specs.first() {
-        Some(first) => (first, expected_steps(first)),
+        // A beam's stages know their number of steps once they have read their input.
+        Some(first) => (first, first.steps(&[])),
         None => return Ok(vec![]),
     };
     let mut progress = Progress { watch, steps };
@@ -68,6 +69,30 @@ pub(super) fn run(ensemble: &Ensemble<'_>, width: VectorWidth, watch: Watch<'_>)
             shaped(&job, &state.past, spec, width, &mut progress)
         }
         StageSpec::Recall(_) => recalled(ensemble, width, &mut progress),
+        StageSpec::Grow(_) | StageSpec::Jam(_) | StageSpec::Bend(_) => {
+            let outcome = bent(ensemble, &stage, checkpoint, width, &mut progress);
+            Ok(vec![outcome])
+        }
+    }
+}
+
+/// A stage of the beam, which runs alone and checks its own input.
+fn bent(
+    ensemble: &Ensemble<'_>,
+    stage: &str,
+    checkpoint: Option<&[u8]>,
+    width: VectorWidth,
+    progress: &mut Progress<'_>,
+) -> Result<Outcome, StageFailure> {
+    let from = (ensemble.input, checkpoint);
+    match &ensemble.specs[0] {
+        StageSpec::Grow(spec) => grow::run(spec, stage, checkpoint, width, progress),
+        StageSpec::Jam(spec) => jam::run(spec, stage, from, width, progress),
+        StageSpec::Bend(spec) => bend::run(spec, stage, from, width, progress),
+        other => Err(input(&format!(
+            "{} is no stage of a beam",
+            other.kind().name()
+        ))),
     }
 }
 
@@ -100,14 +125,6 @@ fn recalled(ensemble: &Ensemble<'_>, width: VectorWidth, progress: &mut Progress
         checkpoints: ensemble.checkpoints,
     };
     shaped(&Job::Recall(&recalls), &state.past, &train, width, progress)
-}
-
-fn expected_steps(spec: &StageSpec) -> u64 {
-    match spec {
-        StageSpec::Pack(pack) => pack.predicted_steps(),
-        // The number of steps does not depend on the pack.
-        other => other.steps(),
-    }
 }
 
 fn input(detail: &str) -> StageFailure {

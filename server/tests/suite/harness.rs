@@ -227,6 +227,7 @@ pub(crate) fn outcome(spec: &StageSpec) -> Outcome {
             .into_iter()
             .map(|(name, value)| (name.to_owned(), Some(value)))
             .collect(),
+        reasons: BTreeMap::new(),
         artifacts: BTreeMap::from([(name.to_owned(), bytes)]),
         warnings: vec![],
         steps: 1000,

@@ -13,6 +13,7 @@ use granary_worker::execute::{Engine, StageResult};
 pub(crate) fn outcome(lane: usize) -> Outcome {
     Outcome {
         results: BTreeMap::from([("encode_correlation".to_owned(), Some(lane as f64))]),
+        reasons: BTreeMap::new(),
         artifacts: BTreeMap::from([(SIGNAL.to_owned(), format!("signal {lane}").into_bytes())]),
         warnings: vec![],
         steps: 1000,

@@ -1,0 +1,262 @@
+//! Models: the two experiments as planner, tables and documents see them, so that none of these knows either.
+
+use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value};
+
+use crate::beam;
+use crate::beam::point::BeamPoint;
+use crate::identity::StageId;
+use crate::memory;
+use crate::memory::spec::MemoryPoint;
+use crate::memory::waveform::Waveform;
+use crate::parameter::{Parameter, Preset, Quantity, Rule};
+use crate::stage::StageSpec;
+
+/// An experiment.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Model {
+    /// Gain and fidelity of a waveform stored in a pack.
+    Memory,
+    /// Stiffness and strength of a bent beam.
+    Beam,
+}
+
+impl Model {
+    /// Every model.
+    pub const ALL: [Self; 2] = [Self::Memory, Self::Beam];
+
+    /// The name in specs.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Memory => "memory",
+            Self::Beam => "beam",
+        }
+    }
+
+    /// The model called `name`.
+    #[must_use]
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|model| model.name() == name)
+    }
+
+    /// What it is, in one sentence.
+    #[must_use]
+    pub fn sentence(self) -> &'static str {
+        match self {
+            Self::Memory => {
+                "A waveform of shear is stored in a pack of grains while it is compressed, and recalled when it is released."
+            }
+            Self::Beam => {
+                "A beam of grains, jammed by the pressure on the membrane around them, is bent until it yields."
+            }
+        }
+    }
+
+    /// Every parameter.
+    #[must_use]
+    pub fn parameters(self) -> &'static [Parameter] {
+        match self {
+            Self::Memory => memory::parameters::PARAMETERS,
+            Self::Beam => beam::parameters::PARAMETERS,
+        }
+    }
+
+    /// The parameter called `name`.
+    #[must_use]
+    pub fn parameter(self, name: &str) -> Option<&'static Parameter> {
+        self.parameters().iter().find(|row| row.name == name)
+    }
+
+    /// Named choices of parameters.
+    #[must_use]
+    pub fn presets(self) -> &'static [Preset] {
+        match self {
+            Self::Memory => memory::parameters::PRESETS,
+            Self::Beam => beam::parameters::PRESETS,
+        }
+    }
+
+    /// Pairs of parameters that say one thing: who writes the first takes back what a preset says of the second.
+    #[must_use]
+    pub fn taken_back(self) -> &'static [(&'static str, &'static str)] {
+        match self {
+            Self::Memory => &[],
+            Self::Beam => beam::parameters::TAKEN_BACK,
+        }
+    }
+
+    /// Rules between parameters.
+    #[must_use]
+    pub fn rules(self) -> &'static [Rule] {
+        match self {
+            Self::Memory => &[],
+            Self::Beam => beam::rules::RULES,
+        }
+    }
+
+    /// Every number of its tables.
+    #[must_use]
+    pub fn results(self) -> &'static [Quantity] {
+        match self {
+            Self::Memory => memory::results::RESULTS,
+            Self::Beam => beam::results::RESULTS,
+        }
+    }
+
+    /// The table's defaults with those of `preset` over them; `None` if there is no such preset.
+    #[must_use]
+    pub fn defaults(self, preset: &str) -> Option<Map<String, Value>> {
+        match self {
+            Self::Memory => MemoryPoint::defaults(preset),
+            Self::Beam => BeamPoint::defaults(preset),
+        }
+    }
+
+    /// Parameters that only the last stage of a point sees, and that points side by side in one ensemble may differ in.
+    #[must_use]
+    pub fn leaves(self) -> &'static [&'static str] {
+        match self {
+            Self::Memory => &["waveform", "gamma0"],
+            Self::Beam => &[],
+        }
+    }
+
+    /// A point from all its parameters, each already checked against the table.
+    ///
+    /// # Errors
+    /// If a parameter is missing, unknown or of the wrong type, in serde's words.
+    pub fn point(self, parameters: Map<String, Value>) -> Result<ModelPoint, String> {
+        match self {
+            Self::Memory => MemoryPoint::from_parameters(parameters).map(ModelPoint::Memory),
+            Self::Beam => BeamPoint::from_parameters(parameters).map(ModelPoint::Beam),
+        }
+    }
+}
+
+/// All parameters of one point of any model.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ModelPoint {
+    /// See [`MemoryPoint`].
+    Memory(MemoryPoint),
+    /// See [`BeamPoint`].
+    Beam(BeamPoint),
+}
+
+impl ModelPoint {
+    /// The stages of this point, in the order in which they must run.
+    #[must_use]
+    pub fn stages(&self) -> Vec<StageSpec> {
+        let mut stages = match self {
+            Self::Memory(point) => {
+                let pack = StageSpec::Pack(point.pack());
+                let train = StageSpec::Train(point.train(pack.id()));
+                vec![pack, train]
+            }
+            Self::Beam(point) => {
+                let grow = StageSpec::Grow(point.grow());
+                let jam = StageSpec::Jam(point.jam(grow.id()));
+                vec![grow, jam]
+            }
+        };
+        stages.push(self.last(stages[1].id()));
+        stages
+    }
+
+    /// The last stage of this point, on the stage named `before`.
+    #[must_use]
+    pub fn last(&self, before: StageId) -> StageSpec {
+        match self {
+            Self::Memory(point) => StageSpec::Recall(point.recall(before)),
+            Self::Beam(point) => StageSpec::Bend(point.bend(before)),
+        }
+    }
+
+    /// This point without what its leaves say: its last stage is the one that the ensemble is named after.
+    #[must_use]
+    pub fn bare(&self) -> Self {
+        match self {
+            Self::Memory(point) => Self::Memory(MemoryPoint {
+                waveform: Waveform::Zero,
+                ..point.clone()
+            }),
+            Self::Beam(_) => self.clone(),
+        }
+    }
+
+    /// Sets the leaf called `name` to a value that was checked against the table; other names change nothing.
+    pub fn set_leaf(&mut self, name: &str, value: &Value) {
+        let checked = "checked against the table";
+        match (self, name) {
+            (Self::Memory(point), "gamma0") => point.gamma0 = value.as_f64().expect(checked),
+            (Self::Memory(point), "waveform") => {
+                point.waveform = Waveform::parse(value).expect(checked);
+            }
+            _ => {}
+        }
+    }
+
+    /// What is allowed but unwise, in full sentences.
+    #[must_use]
+    pub fn warnings(&self) -> Vec<String> {
+        match self {
+            Self::Memory(point) => point.warnings(),
+            Self::Beam(point) => point.warnings(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn standard(model: Model) -> ModelPoint {
+        let map = model.defaults("standard").expect("every model has it");
+        model.point(map).expect("valid defaults")
+    }
+
+    #[test]
+    fn each_stage_needs_the_one_before_it() {
+        for model in Model::ALL {
+            let stages = standard(model).stages();
+            assert_eq!(stages[0].needs(), None);
+            for pair in stages.windows(2) {
+                assert_eq!(pair[1].needs(), Some(pair[0].id()));
+                assert!(pair[1].kind() > pair[0].kind());
+            }
+        }
+    }
+
+    #[test]
+    fn bare_point_names_the_ensemble_of_all_its_leaves() {
+        for model in Model::ALL {
+            let point = standard(model);
+            let ensemble = point.bare().stages()[2].id();
+            assert_eq!(point.stages()[2].ensemble_key(), ensemble);
+        }
+    }
+
+    #[test]
+    fn work_is_known_before_it_is_done() {
+        for model in Model::ALL {
+            let stages = standard(model).stages();
+            for (k, stage) in stages.iter().enumerate() {
+                let work = stage.work(&stages[..k]);
+                assert!(work.steps > 10_000 && work.grain_steps > work.steps);
+                assert!((1 << 20..300 << 20).contains(&work.bytes), "{work:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn rules_leaves_and_pairs_name_parameters() {
+        for model in Model::ALL {
+            let named = |name: &str| assert!(model.parameter(name).is_some(), "{name}");
+            model.leaves().iter().for_each(|name| named(name));
+            for rule in model.rules() {
+                rule.parameters.iter().for_each(|name| named(name));
+            }
+        }
+    }
+}
