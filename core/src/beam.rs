@@ -13,6 +13,12 @@ pub mod rules;
 pub mod spec;
 pub mod steps;
 
+mod packing;
+mod probe;
+mod rig;
+mod run;
+pub(crate) mod state;
+
 pub(crate) mod bend;
 pub(crate) mod grow;
 pub(crate) mod jam;

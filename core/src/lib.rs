@@ -4,6 +4,7 @@
 //! Inside the engine the sphere radius R, the density ρ and Young's modulus E are 1.
 //! Then the unit of time is t_c = R√(ρ/E), of pressure E, of force E R², of energy E R³.
 //! SI units appear only at the boundary: in the parameter table and in the outcomes that name them.
+//! The beam's scenes are in SI units throughout: grains that differ in size have no common R.
 //!
 //! # Signs
 //! `normal` points from grain `j` into grain `i`; overlap, pressure and compressive strain are positive.
@@ -29,6 +30,7 @@ pub mod neighbor;
 
 pub mod force;
 pub mod membrane;
+pub mod state_file;
 pub mod wall;
 
 pub mod scene;

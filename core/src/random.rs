@@ -7,6 +7,10 @@ pub enum Purpose {
     GasVelocity,
     /// Orientations of the gas of grains.
     GasOrientation,
+    /// Radii of the beam's grains.
+    GrainRadius,
+    /// Where the beam's grains are tried to be put.
+    GrainPlace,
 }
 
 impl Purpose {
@@ -14,6 +18,8 @@ impl Purpose {
         match self {
             Self::GasVelocity => "gas velocity",
             Self::GasOrientation => "gas orientation",
+            Self::GrainRadius => "grain radius",
+            Self::GrainPlace => "grain place",
         }
     }
 }

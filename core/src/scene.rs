@@ -274,6 +274,16 @@ impl<R: Replicas, P: Physics> Scene<R, P> {
         self.contacts.pairs()
     }
 
+    /// Every pair in the list with what it remembers: zeros if it does not touch.
+    pub(crate) fn histories(
+        &self,
+    ) -> impl Iterator<Item = (usize, Key, &<P::Tangential as TangentialLaw>::History<R>)> {
+        self.contacts
+            .pairs()
+            .zip(&self.contacts.histories)
+            .map(|((i, key), history)| (i, key, history))
+    }
+
     /// Every contact of replica `k` that remembers something: grain `i`, the pair, and its history.
     pub fn remembered(&self, k: usize) -> impl Iterator<Item = (u32, Key, Vec<f64>)> + '_ {
         self.contacts.remembered(k)

@@ -197,7 +197,7 @@ pub fn checkpoint_step(bytes: &[u8]) -> Option<u64> {
     struct Step {
         step: u64,
     }
-    crate::memory::state::read_header::<Step>(bytes)
+    crate::state_file::read_header::<Step>(bytes)
         .ok()
         .map(|header| header.step)
 }

@@ -24,7 +24,7 @@ const LEVELS: [(bool, &[&str]); 11] = [
     (false, &["material", "shape"]),
     (false, &["grains"]),
     (false, &["contact", "neighbor"]),
-    (false, &["force", "membrane", "wall"]),
+    (false, &["force", "membrane", "state_file", "wall"]),
     (false, &["scene"]),
     (true, &["observable", "guard"]),
     (false, &["protocol"]),

@@ -1,18 +1,216 @@
-//! The stage `jam`: the grown grains compacted by the pressure on the membrane, until they rest.
+//! The stage `jam`: pressure on the membrane compacts the grains, and the walls of the mold follow.
+//!
+//! Each wall moves inward only, both of a pair alike, so that the beam stays a cuboid: at its largest speed where it carries
+//! nothing, and slower the more of `mold_load` Δp A it carries.
 
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use super::probe;
+use super::rig::{Friction, Rig};
+use super::run::{Course, Rest, Run, stopped};
 use super::spec::JamSpec;
+use super::state::{Past, Snapshot};
+use crate::contact::frictionless::Frictionless;
+use crate::contact::mindlin::Mindlin;
+use crate::grains::Motion;
+use crate::guard::Stop;
 use crate::lanes::VectorWidth;
-use crate::outcome::{Outcome, Progress, StageFailure};
+use crate::math::plain;
+use crate::outcome::{Outcome, Progress, STATE, StageFailure};
+use crate::wall::press::Plane;
 
-/// Runs the stage whose id is `stage` on the state `input`, from the start or from a checkpoint.
+/// What a checkpoint remembers besides what moves.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct Header {
+    stage: String,
+    course: Course,
+    step: u64,
+    rest: Rest,
+    /// Position and velocity of the six walls.
+    walls: Vec<[f64; 2]>,
+}
+
+/// Compacts the grown grains of `input`, or goes on from a checkpoint.
 pub(crate) fn run(
-    _spec: &JamSpec,
-    _stage: &str,
-    (_input, _checkpoint): (&[u8], Option<&[u8]>),
-    _width: VectorWidth,
-    _progress: &mut Progress<'_>,
+    spec: &JamSpec,
+    stage: &str,
+    from: (&[u8], Option<&[u8]>),
+    width: VectorWidth,
+    progress: &mut Progress<'_>,
 ) -> Result<Outcome, StageFailure> {
-    Err(StageFailure::Input {
-        detail: "not built yet".to_owned(),
-    })
+    if spec.initial_friction_coefficient == 0.0 {
+        compacted::<Frictionless>(spec, stage, from, width, progress)
+    } else {
+        compacted::<Mindlin>(spec, stage, from, width, progress)
+    }
+}
+
+fn compacted<T: Friction>(
+    spec: &JamSpec,
+    stage: &str,
+    (input, checkpoint): (&[u8], Option<&[u8]>),
+    width: VectorWidth,
+    progress: &mut Progress<'_>,
+) -> Result<Outcome, StageFailure> {
+    let state = Snapshot::<Past>::from_bytes(input)?;
+    let grow = &state.header.grow;
+    progress.steps = spec.predicted_steps(grow);
+    let rig = Rig {
+        grow,
+        jam: Some(spec),
+        friction_coefficient: spec.initial_friction_coefficient,
+        damping: spec.background_damping,
+        width,
+    };
+    let sides = [grow.length, grow.depth, grow.height];
+    let mut walls = mold(sides.map(|side| 0.5 * side + spec.vertex_radius));
+    let (mut beam, course, mut rest) = match checkpoint {
+        Some(bytes) => {
+            let saved = Snapshot::<Header>::from_bytes(bytes)?;
+            let header = &saved.header;
+            for (wall, &[position, velocity]) in walls.iter_mut().zip(&header.walls) {
+                (wall.position, wall.velocity) = (position, velocity);
+            }
+            (rig.restored::<T, _>(&saved)?, header.course, header.rest)
+        }
+        None => (
+            rig.restored::<T, _>(&still(&state))?,
+            Course::BEGINNING,
+            Rest::from(spec.pressure_ramp),
+        ),
+    };
+    beam.surroundings.press.planes = walls;
+    let mut run = Run::new(
+        beam,
+        course,
+        (spec.time_step_fraction, f64::MAX),
+        spec.overlap,
+    );
+    loop {
+        let pressure = spec.confining_pressure * (run.time / spec.pressure_ramp).min(1.0);
+        run.beam.surroundings.press.pressure = pressure;
+        follow(spec, &mut run.beam.surroundings.press.planes);
+        let due = rest.is_due(run.time);
+        let before = if due { velocities(&run) } else { vec![] };
+        let saved_rest = rest;
+        run.advance(progress, &|run| {
+            let planes = &run.beam.surroundings.press.planes;
+            let header = Header {
+                stage: stage.to_owned(),
+                course: run.course(),
+                step: run.step,
+                rest: saved_rest,
+                walls: planes
+                    .iter()
+                    .map(|wall| [wall.position, wall.velocity])
+                    .collect(),
+            };
+            Snapshot::of(&run.beam, header).to_bytes()
+        })?;
+        if due && rest.check(&spec.rest, &mut run, &before) {
+            break;
+        }
+        if run.time > spec.pressure_ramp + spec.rest.longest {
+            return Err(not_at_rest(&run, spec.rest.longest));
+        }
+    }
+    Ok(outcome(spec, &state.header, &run))
+}
+
+/// A run that does not come to rest.
+pub(super) fn not_at_rest<T: Friction>(run: &Run<T>, longest: f64) -> StageFailure {
+    let stop = Stop {
+        kind: "not_at_rest",
+        detail: format!("the beam has not come to rest within {longest} s"),
+        remedy: "use background_damping, or a larger longest_rest".to_owned(),
+    };
+    stopped(run.step, stop)
+}
+
+/// The velocities of all grains.
+pub(super) fn velocities<T: Friction>(run: &Run<T>) -> Vec<[f64; 3]> {
+    let grains = &run.beam.grains;
+    (0..grains.len())
+        .map(|i| grains.motion(i, 0).velocity)
+        .collect()
+}
+
+/// The state with everything at rest: what growth stirred up has no part in compaction.
+fn still<H: Clone>(state: &Snapshot<H>) -> Snapshot<H> {
+    Snapshot {
+        motions: vec![Motion::default(); state.motions.len()],
+        velocities: vec![[0.0; 3]; state.velocities.len()],
+        ..state.clone()
+    }
+}
+
+/// Six walls at these distances from the middle: −x, +x, −y, +y, −z, +z.
+pub(super) fn mold(distances: [f64; 3]) -> Vec<Plane> {
+    let wall = |axis: usize, inward: f64| Plane {
+        axis,
+        inward,
+        position: -inward * distances[axis],
+        velocity: 0.0,
+        force: 0.0,
+    };
+    (0..3)
+        .flat_map(|axis| [wall(axis, 1.0), wall(axis, -1.0)])
+        .collect()
+}
+
+/// Sets the walls' speeds by what they carried in the last step.
+fn follow(spec: &JamSpec, walls: &mut [Plane]) {
+    let extent =
+        |walls: &[Plane], axis: usize| walls[2 * axis + 1].position - walls[2 * axis].position;
+    for axis in 0..3 {
+        let area = extent(walls, (axis + 1) % 3) * extent(walls, (axis + 2) % 3);
+        let most = spec.mold_load * spec.confining_pressure * area;
+        let carried = 0.5 * (walls[2 * axis].force + walls[2 * axis + 1].force);
+        let share = if most > 0.0 { carried / most } else { 1.0 };
+        let speed = spec.mold_speed * (1.0 - share).clamp(0.0, 1.0);
+        for wall in &mut walls[2 * axis..2 * axis + 2] {
+            wall.velocity = wall.inward * speed;
+        }
+    }
+}
+
+fn outcome<T: Friction>(spec: &JamSpec, past: &Past, run: &Run<T>) -> Outcome {
+    let mesh = run.beam.surroundings.membrane.mesh();
+    let [low, high] = mesh.bounds();
+    let [length, depth, height] = plain::sub(high, low);
+    let grains = run.beam.grains.len() as f64;
+    let touched = grains > 0.0;
+    let results = [
+        ("grains", Some(grains)),
+        (
+            "volume_fraction",
+            Some(probe::grain_volume(&run.beam) / mesh.volume()),
+        ),
+        (
+            "coordination_number",
+            touched.then(|| 2.0 * run.contacts.len() as f64 / grains),
+        ),
+        ("largest_overlap", Some(run.deepest)),
+        ("actual_length", Some(length)),
+        ("actual_height", Some(height)),
+        ("actual_depth", Some(depth)),
+        ("critical_time_step", Some(run.critical)),
+    ];
+    let past = Past {
+        jam: Some(spec.clone()),
+        ..past.clone()
+    };
+    let state = Snapshot::of(&run.beam, past).to_bytes();
+    Outcome {
+        results: results
+            .into_iter()
+            .map(|(name, value)| (name.to_owned(), value))
+            .collect(),
+        artifacts: BTreeMap::from([(STATE.to_owned(), state)]),
+        reasons: BTreeMap::new(),
+        warnings: vec![],
+        steps: run.step,
+    }
 }

@@ -6,7 +6,7 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use super::cycle::{Drive, Program, REPORT_EVERY};
-use super::state::{Checkpoint, PackState, Past, Remembered};
+use super::state::{Checkpoint, PackState, Past};
 use super::waveform::Waveform;
 use crate::grains::{Grains, Pose};
 use crate::guard::{Guard, Stop};
@@ -14,6 +14,7 @@ use crate::observable::Observation;
 use crate::observable::critical_time_step::CriticalTimeStep;
 use crate::outcome::{Progress, StageFailure};
 use crate::scene::{Laws, Physics, Replicas, Scene, history_components};
+use crate::state_file::Remembered;
 use crate::wall::{WALLS, Walls};
 
 /// The failure of a replica that the guard stopped.

@@ -1,11 +1,12 @@
 //! The one place where a spec becomes types: every combination that is compiled is listed here.
 
 use super::{Ensemble, StageSpec};
-use crate::beam::{bend, grow, jam};
+use crate::beam::{self, bend, grow, jam};
 use crate::contact::TangentialLaw;
 use crate::contact::frictionless::Frictionless;
 use crate::contact::hooke::Hooke;
 use crate::force::{AffineDrag, BodyForce};
+use crate::identity::StageId;
 use crate::lanes::{F32x8, F32x16, F64x1, F64x8, VectorWidth};
 use crate::material::Units;
 use crate::memory::pack;
@@ -87,13 +88,34 @@ fn bent(
     let from = (ensemble.input, checkpoint);
     match &ensemble.specs[0] {
         StageSpec::Grow(spec) => grow::run(spec, stage, checkpoint, width, progress),
-        StageSpec::Jam(spec) => jam::run(spec, stage, from, width, progress),
-        StageSpec::Bend(spec) => bend::run(spec, stage, from, width, progress),
+        StageSpec::Jam(spec) => {
+            let past = beam::state::past(ensemble.input)?;
+            check_input(&StageSpec::Grow(past.grow), spec.grow)?;
+            jam::run(spec, stage, from, width, progress)
+        }
+        StageSpec::Bend(spec) => {
+            let past = beam::state::past(ensemble.input)?;
+            let jam = past
+                .jam
+                .ok_or_else(|| input("the input is a beam that was not compacted"))?;
+            check_input(&StageSpec::Jam(jam), spec.jam)?;
+            bend::run(spec, stage, from, width, progress)
+        }
         other => Err(input(&format!(
             "{} is no stage of a beam",
             other.kind().name()
         ))),
     }
+}
+
+/// That the state is the one that the stage names.
+fn check_input(found: &StageSpec, named: StageId) -> Result<(), StageFailure> {
+    if found.id() == named {
+        return Ok(());
+    }
+    Err(input(
+        "the input is another beam than the one the stage names",
+    ))
 }
 
 fn recalled(ensemble: &Ensemble<'_>, width: VectorWidth, progress: &mut Progress<'_>) -> Outcomes {
