@@ -103,3 +103,18 @@ pub struct SetRow {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub missing_reason: Option<String>,
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_words_and_null_keep_what_they_are_on_the_wire() {
+        let text = r#"{"a":1.5,"b":null,"b_reason":"not_prominent"}"#;
+        let results: BTreeMap<String, Scalar> = serde_json::from_str(text).expect("results");
+        assert_eq!(results["a"].number(), Some(1.5));
+        assert_eq!(results["b"], Scalar::Missing);
+        assert_eq!(results["b_reason"].number(), None);
+        assert_eq!(serde_json::to_string(&results).expect("plain data"), text);
+    }
+}

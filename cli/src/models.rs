@@ -11,7 +11,7 @@ use crate::table::{Table, parameter};
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// The experiment.
-    #[arg(default_value = "memory", value_parser = ["memory", "beam"])]
+    #[arg(default_value = "memory", value_parser = Model::ALL.map(Model::name))]
     model: String,
     /// Print a JSON Schema instead of a table.
     #[arg(long)]

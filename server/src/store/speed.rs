@@ -142,11 +142,14 @@ pub(super) async fn speed_remaining(
     Ok(rows.iter().map(seconds).sum())
 }
 
-/// Files that one job leaves: a state is about as large as the memory of a lone run, a recall leaves curves.
+/// Files that one job leaves: the last stages leave curves, the others a state.
+///
+/// A state is about as large as the memory of a lone run, which for a beam is a generous guess.
 fn stored_bytes(class: &str, memory: u64) -> u64 {
-    if class.starts_with("recall") {
-        100_000
-    } else {
-        memory
+    match class.split('/').collect::<Vec<_>>()[..] {
+        ["recall", ..] => 100_000,
+        ["bend", ..] => 1_000_000,
+        [_, "beam", ..] => memory / 16,
+        _ => memory,
     }
 }
