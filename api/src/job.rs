@@ -11,6 +11,7 @@ use utoipa::ToSchema;
 
 use crate::id::{JobId, LeaseId, SweepId, WorkerId};
 use crate::lease::Provenance;
+use crate::table::Scalar;
 
 /// Where a job stands; it is in exactly one state.
 #[derive(
@@ -174,7 +175,7 @@ pub struct JobDetail {
     /// Why it failed.
     pub failure: Option<Failure>,
     /// Scalars by name.
-    pub results: BTreeMap<String, Option<f64>>,
+    pub results: BTreeMap<String, Scalar>,
     /// Files by name.
     #[schema(value_type = BTreeMap<String, String>)]
     pub artifacts: BTreeMap<String, ArtifactHash>,

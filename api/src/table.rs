@@ -21,6 +21,30 @@ pub struct Page<T> {
     pub total: u64,
 }
 
+/// One result.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(untagged)]
+pub enum Scalar {
+    /// A number.
+    Number(f64),
+    /// Why another result, `{name}` of a `{name}_reason`, is `null`.
+    Word(String),
+    /// `null`: no number.
+    #[default]
+    Missing,
+}
+
+impl Scalar {
+    /// The number, if it is one.
+    #[must_use]
+    pub fn number(&self) -> Option<f64> {
+        match self {
+            Self::Number(number) => Some(*number),
+            Self::Word(_) | Self::Missing => None,
+        }
+    }
+}
+
 /// One row of a sweep's table.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct PointRow {
@@ -31,8 +55,8 @@ pub struct PointRow {
     /// The parameters that vary in the sweep.
     #[schema(value_type = Object)]
     pub parameters: Map<String, Value>,
-    /// Scalars by name; empty until it is done.
-    pub results: BTreeMap<String, Option<f64>>,
+    /// Scalars by name, and beside one that is `null` the word why, as `{name}_reason`; empty until it is done.
+    pub results: BTreeMap<String, Scalar>,
     /// What a reader of the numbers should know.
     pub warnings: Vec<String>,
     /// The job that computes it.
@@ -64,6 +88,9 @@ pub struct SetRow {
     pub parameters: Map<String, Value>,
     /// Numbers by name; `null` where a number has no meaning (yet).
     pub results: BTreeMap<String, Option<f64>>,
+    /// How much of Eq. (4) a fit's strengths determine: `exponential`, `step`, `straight`, `constant` or `too_few_points`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub shape: Option<String>,
     /// Members that count so far.
     pub n: u64,
     /// Members in all.
@@ -75,4 +102,19 @@ pub struct SetRow {
     /// While `provisional`, it speaks of the members that count so far, never of those to come.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub missing_reason: Option<String>,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_words_and_null_keep_what_they_are_on_the_wire() {
+        let text = r#"{"a":1.5,"b":null,"b_reason":"not_prominent"}"#;
+        let results: BTreeMap<String, Scalar> = serde_json::from_str(text).expect("results");
+        assert_eq!(results["a"].number(), Some(1.5));
+        assert_eq!(results["b"], Scalar::Missing);
+        assert_eq!(results["b_reason"].number(), None);
+        assert_eq!(serde_json::to_string(&results).expect("plain data"), text);
+    }
 }

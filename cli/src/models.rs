@@ -1,6 +1,6 @@
 //! `granary models`: what an experiment may be told.
 
-use granary_core::memory::parameters::{PARAMETERS, PRESETS};
+use granary_core::model::Model;
 use serde_json::{Map, Value, json};
 
 use crate::failure::Done;
@@ -11,7 +11,7 @@ use crate::table::{Table, parameter};
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// The experiment.
-    #[arg(default_value = "memory", value_parser = ["memory"])]
+    #[arg(default_value = "memory", value_parser = Model::ALL.map(Model::name))]
     model: String,
     /// Print a JSON Schema instead of a table.
     #[arg(long)]
@@ -20,8 +20,9 @@ pub(crate) struct Args {
 
 /// Prints the one table in `core` that also feeds validation, the form and the docs.
 pub(crate) fn run(args: &Args) -> anyhow::Result<Done> {
+    let model = Model::named(&args.model).expect("the command line takes no other");
     if args.json {
-        output::json(&schema(&args.model))?;
+        output::json(&schema(model))?;
         return Ok(Done::Complete);
     }
     let mut table = Table::new([
@@ -32,7 +33,7 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<Done> {
         "section",
         "what it is",
     ]);
-    for row in PARAMETERS {
+    for row in model.parameters() {
         let default = row.default_value();
         let default = if default.is_null() {
             "derived".to_owned()
@@ -49,16 +50,17 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<Done> {
         ]);
     }
     output::bytes(table.render().as_bytes())?;
-    for preset in PRESETS {
+    for preset in model.presets() {
         output::line(&format!("preset {}: {}", preset.name, preset.sentence))?;
     }
     Ok(Done::Complete)
 }
 
-fn schema(model: &str) -> Value {
-    let properties: Map<String, Value> = PARAMETERS
+fn schema(model: Model) -> Value {
+    let properties: Map<String, Value> = model
+        .parameters()
         .iter()
         .map(|row| (row.name.to_owned(), row.schema()))
         .collect();
-    json!({"title": model, "type": "object", "properties": properties})
+    json!({"title": model.name(), "type": "object", "properties": properties})
 }

@@ -221,12 +221,30 @@ impl TomlReader {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use granary_server::sweep::{Limits, Plan};
     use serde_json::json;
 
     const SPEC: &str = "name = \"x\"\n[fixed]\ngrains = 0\ndelta0 = 5e-2\n\n[[grid]]\nwaveform = { suite = \"six\" }\npacking_seed = [1,\n  2, 3]\n";
 
     fn parse(text: &str) -> Result<SpecFile, Failure> {
         SpecFile::parse("a.toml".to_owned(), text, false)
+    }
+
+    #[test]
+    fn every_example_is_a_sweep_without_mistakes() {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples");
+        let mut points = std::collections::BTreeMap::new();
+        for entry in std::fs::read_dir(folder).expect("a folder") {
+            let path = entry.expect("an entry").path();
+            let file = SpecFile::read(&path).expect("valid TOML");
+            let plan = Plan::read(&file.value, Limits::default());
+            let plan = plan.unwrap_or_else(|mistakes| panic!("{}: {mistakes:?}", path.display()));
+            let name = path.file_stem().expect("a name").to_string_lossy();
+            points.insert(name.into_owned(), plan.points);
+        }
+        assert_eq!(points["beam-smoke"], 1);
+        // 11 points of each stiffness, and of two more packings at 100 MPa.
+        assert_eq!(points["beam-table1-draft"], 4 * 11 + 2 * 11);
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use granary_api::table::{PointRow, SetRow};
+use granary_api::table::{PointRow, Scalar, SetRow};
 use serde_json::Value;
 
 /// Rows of text under a heading.
@@ -76,6 +76,14 @@ fn result(value: Option<&Option<f64>>) -> String {
     })
 }
 
+/// A result of a point, or the word why another one has no meaning.
+fn scalar(value: Option<&Scalar>) -> String {
+    match value {
+        Some(Scalar::Word(word)) => word.clone(),
+        other => result(other.map(Scalar::number).as_ref()),
+    }
+}
+
 /// A parameter as people write it.
 pub(crate) fn parameter(value: Option<&Value>) -> String {
     match value {
@@ -115,7 +123,7 @@ pub(crate) fn points(rows: &[PointRow]) -> Table {
                 .iter()
                 .map(|name| parameter(row.parameters.get(name))),
         );
-        cells.extend(results.iter().map(|name| result(row.results.get(name))));
+        cells.extend(results.iter().map(|name| scalar(row.results.get(name))));
         let failure = row.failure.as_ref().map(|failure| failure.message.clone());
         cells.push(failure.unwrap_or_else(|| row.warnings.join(" ")));
         table.push(cells);
@@ -130,19 +138,25 @@ pub(crate) fn sets(rows: &[SetRow]) -> Table {
         add_columns(&mut parameters, row.parameters.keys());
         add_columns(&mut results, row.results.keys());
     }
-    // The error of a mean stands beside it.
-    results.sort_by_key(|name| name.trim_end_matches("_sem").to_owned());
-    let mut heading = vec![
-        "set".to_owned(),
-        "reduce".to_owned(),
-        "processing".to_owned(),
-    ];
+    // An error stands beside its number.
+    results.sort_by_key(|name| {
+        let name = name.trim_end_matches("_sem");
+        name.trim_end_matches("_error").to_owned()
+    });
+    // Of a score the processing, of a fit the shape.
+    let how = if rows.iter().any(|row| row.shape.is_some()) {
+        "shape"
+    } else {
+        "processing"
+    };
+    let mut heading = vec!["set".to_owned(), "reduce".to_owned(), how.to_owned()];
     heading.extend(parameters.iter().chain(&results).cloned());
     heading.extend(["n".to_owned(), "remark".to_owned()]);
     let mut table = Table::new(heading);
     for row in rows {
-        let processing = row.processing.clone().unwrap_or_default();
-        let mut cells = vec![row.set.to_string(), row.reduce.clone(), processing];
+        let how = row.processing.as_ref().or(row.shape.as_ref());
+        let how = how.cloned().unwrap_or_default();
+        let mut cells = vec![row.set.to_string(), row.reduce.clone(), how];
         cells.extend(
             parameters
                 .iter()

@@ -105,6 +105,15 @@ impl Model {
         }
     }
 
+    /// Results of a point that may be `null` with a word why, as `{name}_reason`.
+    #[must_use]
+    pub fn reasoned(self) -> &'static [&'static str] {
+        match self {
+            Self::Memory => &[],
+            Self::Beam => beam::results::REASONED,
+        }
+    }
+
     /// The table's defaults with those of `preset` over them; `None` if there is no such preset.
     #[must_use]
     pub fn defaults(self, preset: &str) -> Option<Map<String, Value>> {

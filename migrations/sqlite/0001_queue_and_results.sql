@@ -6,7 +6,7 @@ create table sweep (
     uuid       blob    not null unique check (length(uuid) = 16),
     identity   blob    not null unique check (length(identity) = 32),
     name       text    not null,
-    model      text    not null check (model in ('memory')),
+    model      text    not null check (model in ('memory', 'beam')),
     preset     text    not null,
     spec       text    not null check (json_valid(spec)),
     -- Axes, fixed parameters and reductions, as the planner resolved them.
@@ -28,8 +28,8 @@ create table idempotency (
 create table ensemble (
     id          integer primary key,
     key         blob    not null unique check (length(key) = 32),
-    kind        text    not null check (kind in ('pack', 'train', 'recall')),
-    -- Kind, shape and precision: jobs of one class run at one speed.
+    kind        text    not null check (kind in ('pack', 'train', 'recall', 'grow', 'jam', 'bend')),
+    -- Kind, shape or experiment, and precision: jobs of one class run at one speed.
     class       text    not null,
     physics     integer not null,
     lanes       integer not null check (lanes > 0),

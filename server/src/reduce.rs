@@ -8,6 +8,8 @@ use granary_api::table::SetRow;
 use granary_core::memory::score::{Dots, Processing, Score};
 use serde_json::{Map, Value};
 
+pub mod strength;
+
 /// One point as a score sees it.
 #[derive(Clone, Debug)]
 pub struct Member {
@@ -110,6 +112,7 @@ fn scored(set: Collected, processing: Processing) -> SetRow {
         set: 0,
         reduce: "gain_fidelity".to_owned(),
         processing: Some(processing.name().to_owned()),
+        shape: None,
         parameters: set.parameters,
         results: results
             .into_iter()
@@ -157,8 +160,19 @@ fn so_far(reason: &str) -> String {
 /// Mean and standard error of the mean of the sets that differ in `over` only.
 #[must_use]
 pub fn mean_sem(sets: &[SetRow], over: &[String]) -> Vec<SetRow> {
+    let groups = groups(sets, over).into_iter();
+    groups
+        .map(|(parameters, members)| mean(parameters, &members))
+        .collect()
+}
+
+/// The parameters that the members of a group have in common, and the members.
+type Group<'a> = (Map<String, Value>, Vec<&'a SetRow>);
+
+/// The sets that differ in `over` only, in the order in which each group first appears.
+fn groups<'a>(sets: &'a [SetRow], over: &[String]) -> Vec<Group<'a>> {
     let mut places: HashMap<String, usize> = HashMap::new();
-    let mut groups: Vec<(Map<String, Value>, Vec<&SetRow>)> = vec![];
+    let mut groups: Vec<Group<'_>> = vec![];
     for set in sets {
         let key = format!("{:?} {}", set.processing, key(&set.parameters, over));
         let place = *places.entry(key).or_insert_with(|| {
@@ -168,9 +182,6 @@ pub fn mean_sem(sets: &[SetRow], over: &[String]) -> Vec<SetRow> {
         groups[place].1.push(set);
     }
     groups
-        .into_iter()
-        .map(|(parameters, members)| mean(parameters, &members))
-        .collect()
 }
 
 fn mean(parameters: Map<String, Value>, members: &[&SetRow]) -> SetRow {
@@ -190,18 +201,37 @@ fn mean(parameters: Map<String, Value>, members: &[&SetRow]) -> SetRow {
     }
     let counted: Vec<&SetRow> = members.iter().copied().filter(|set| counts(set)).collect();
     let provisional = members.iter().any(|set| set.provisional);
+    let count = |name: &String| {
+        let has = |set: &&&SetRow| set.results.get(name).copied().flatten().is_some();
+        members.iter().filter(has).count()
+    };
     let null = results.values().any(Option::is_none);
+    let partial = results
+        .keys()
+        .filter(|name| !name.ends_with("_sem"))
+        .any(|name| (1..counted.len()).contains(&count(name)));
+    let gaps = Gaps { null, partial };
     SetRow {
         set: 0,
         reduce: "mean_sem".to_owned(),
         processing: members[0].processing.clone(),
+        shape: None,
         parameters,
         n: counted.len() as u64,
         of: members.len() as u64,
         provisional,
-        missing_reason: mean_reason(members, &counted, provisional, null),
+        missing_reason: mean_reason(members, &counted, provisional, gaps),
         results,
     }
+}
+
+/// What the results of a mean lack.
+#[derive(Clone, Copy)]
+struct Gaps {
+    /// A number is missing.
+    null: bool,
+    /// A number is the mean of fewer members than count.
+    partial: bool,
 }
 
 /// Whether a set has any number for a mean.
@@ -217,14 +247,14 @@ fn mean_reason(
     members: &[&SetRow],
     counted: &[&SetRow],
     provisional: bool,
-    null: bool,
+    gaps: Gaps,
 ) -> Option<String> {
     let of_some = |sets: &[&SetRow]| sets.iter().find_map(|set| set.missing_reason.clone());
     if provisional {
         return match counted.len() {
             0 => Some("no member has a number yet".to_owned()),
-            1 => Some(so_far("one member has no standard error of the mean")),
-            _ if null => of_some(counted),
+            1 => Some(so_far(&alone(counted[0]))),
+            _ if gaps.null => of_some(counted),
             _ => None,
         };
     }
@@ -238,13 +268,25 @@ fn mean_reason(
         ),
     });
     let own = match counted.len() {
-        1 => Some("one member has no standard error of the mean".to_owned()),
-        _ if null => of_some(counted),
+        1 => Some(alone(counted[0])),
+        _ if gaps.null => of_some(counted),
+        _ if gaps.partial => {
+            of_some(counted).map(|reason| format!("some numbers are of fewer members: {reason}"))
+        }
         _ => None,
     };
     match (own, missing) {
         (Some(own), Some(missing)) => Some(format!("{own}; {missing}")),
         (own, missing) => own.or(missing),
+    }
+}
+
+/// Why the mean of one member lacks numbers.
+fn alone(member: &SetRow) -> String {
+    let no_error = "one member has no standard error of the mean";
+    match &member.missing_reason {
+        Some(reason) if !member.provisional => format!("{no_error}; {reason}"),
+        _ => no_error.to_owned(),
     }
 }
 

@@ -16,6 +16,7 @@ mod intake;
 mod job;
 mod lease;
 mod lock;
+mod measured;
 mod pace;
 mod point;
 mod schema;

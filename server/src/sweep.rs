@@ -7,14 +7,14 @@ mod axis;
 pub mod expansion;
 mod mistakes;
 pub mod reduction;
+mod rules;
 mod section;
 mod suite;
 
 use std::collections::BTreeMap;
 
 use granary_api::problem::Mistake;
-use granary_core::memory::parameters::{PRESETS, parameter};
-use granary_core::memory::spec::MemoryPoint;
+use granary_core::model::Model;
 use granary_core::parameter::shown;
 use serde::Serialize;
 use serde_json::{Map, Value};
@@ -23,6 +23,7 @@ pub use axis::Axis;
 pub(crate) use mistakes::nearest as nearest_name;
 use mistakes::{Mistakes, pointer, unknown};
 use reduction::Reduction;
+use section::Sections;
 
 /// How large a sweep may be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -42,7 +43,9 @@ impl Default for Limits {
 pub struct Plan {
     /// What the user calls it.
     pub name: String,
-    /// The named choice of numerics.
+    /// The experiment.
+    pub model: Model,
+    /// The named choice of parameters.
     pub preset: String,
     /// Sweeps of higher priority are served first; none if the spec does not say.
     pub priority: Option<i64>,
@@ -72,7 +75,8 @@ const FIELDS: [&str; 9] = [
     "grid",
     "reduce",
 ];
-const MODELS: [&str; 2] = ["memory", "beam"];
+/// Values of an axis that reductions look at.
+const FIRST_VALUES: usize = 4;
 /// The most grids of one sweep.
 const MOST_GRIDS: usize = 100;
 
@@ -87,35 +91,32 @@ impl Plan {
             );
             return Err(mistakes.into_list());
         };
-        if !model(table, &mut mistakes) {
+        let Some(model) = model(table, &mut mistakes) else {
             return Err(mistakes.into_list());
-        }
-        fields(table, &mut mistakes);
-        let preset = preset(table.get("preset"), &mut mistakes);
-        let mut fixed = MemoryPoint::defaults(&preset).unwrap_or_default();
-        let mut written = BTreeMap::new();
+        };
+        fields(table, model, &mut mistakes);
+        let preset = preset(table.get("preset"), model, &mut mistakes);
+        let mut sections = Sections::new(model, &preset);
         for name in SECTIONS {
-            section::read(
-                name,
-                table.get(name),
-                &mut fixed,
-                &mut written,
-                &mut mistakes,
-            );
+            sections.read(name, table.get(name), &mut mistakes);
         }
-        let (grids, points) = grids(table.get("grid"), &written, limits, &mut mistakes);
+        let (grids, points) = grids(table.get("grid"), &sections, limits, &mut mistakes);
+        sections.take_back(&grids, &mut mistakes);
+        rules::check(table.get("grid"), &grids, &sections, &mut mistakes);
+        let fixed = sections.fixed;
         let axes = values_by_axis(table.get("grid"), &grids);
         let reductions = match table.get("reduce") {
-            Some(value) => reduction::read(value, &axes, &fixed, &mut mistakes),
-            None => reduction::usual(&axes),
+            Some(value) => reduction::read(value, model, &axes, &fixed, &mut mistakes),
+            None => reduction::usual(model, &axes),
         };
-        let name = name(table.get("name"), &mut mistakes);
+        let name = name(table.get("name"), model, &mut mistakes);
         let priority = priority(table.get("priority"), &mut mistakes);
         if !mistakes.is_empty() {
             return Err(mistakes.into_list());
         }
         Ok(Self {
             name,
+            model,
             preset,
             priority,
             fixed,
@@ -153,6 +154,7 @@ impl Plan {
         #[derive(Serialize)]
         struct Identity<'a> {
             name: &'a str,
+            model: Model,
             preset: &'a str,
             fixed: BTreeMap<&'a String, &'a Value>,
             grids: Vec<Vec<(&'a str, &'a [Value])>>,
@@ -174,6 +176,7 @@ impl Plan {
             .collect();
         let identity = Identity {
             name: &self.name,
+            model: self.model,
             preset: &self.preset,
             fixed: self.fixed.iter().collect(),
             grids,
@@ -185,32 +188,50 @@ impl Plan {
     }
 }
 
-/// Whether the model is one that can be read any further.
-fn model(table: &Map<String, Value>, mistakes: &mut Mistakes) -> bool {
+/// The model, if the spec can be read any further.
+fn model(table: &Map<String, Value>, mistakes: &mut Mistakes) -> Option<Model> {
+    let names = || Model::ALL.into_iter().map(Model::name);
+    let either = || names().collect::<Vec<_>>().join(" or ");
     match table.get("model") {
-        Some(Value::String(name)) if name == "memory" => return true,
-        Some(Value::String(name)) if name == "beam" => {
-            mistakes.add("/model", "\"beam\" is not available yet; \"memory\" is");
-        }
         Some(Value::String(name)) => {
-            mistakes.add("/model", unknown("model", name, MODELS.into_iter()));
+            let model = Model::named(name);
+            if model.is_none() {
+                mistakes.add("/model", unknown("model", name, names()));
+            }
+            model
         }
-        Some(other) => mistakes.add(
-            "/model",
-            format!("{} is not a model: memory, beam", shown(other)),
-        ),
+        Some(other) => {
+            mistakes.add(
+                "/model",
+                format!("{} is not a model: {}", shown(other), either()),
+            );
+            None
+        }
         None => {
-            mistakes.add("/model", "missing: memory or beam");
-            // A spec without a model is most likely the one model there is: its other mistakes are told too.
-            return true;
+            mistakes.add("/model", format!("missing: {}", either()));
+            // The other mistakes are told too, by the model whose parameters the spec names.
+            Model::ALL
+                .into_iter()
+                .rev()
+                .max_by_key(|model| named(*model, table))
         }
     }
-    false
 }
 
-fn fields(table: &Map<String, Value>, mistakes: &mut Mistakes) {
+/// How many parameters of `model` the sections name.
+fn named(model: Model, table: &Map<String, Value>) -> usize {
+    let sections = SECTIONS
+        .iter()
+        .filter_map(|name| table.get(*name)?.as_object());
+    sections
+        .flat_map(Map::keys)
+        .filter(|name| model.parameter(name).is_some())
+        .count()
+}
+
+fn fields(table: &Map<String, Value>, model: Model, mistakes: &mut Mistakes) {
     for key in table.keys().filter(|key| !FIELDS.contains(&key.as_str())) {
-        let detail = match parameter(key) {
+        let detail = match model.parameter(key) {
             Some(row) => format!(
                 "{key} is a parameter: it belongs in [{}] or in a [[grid]]",
                 row.section.name()
@@ -221,8 +242,8 @@ fn fields(table: &Map<String, Value>, mistakes: &mut Mistakes) {
     }
 }
 
-fn preset(value: Option<&Value>, mistakes: &mut Mistakes) -> String {
-    let names = || PRESETS.iter().map(|preset| preset.name);
+fn preset(value: Option<&Value>, model: Model, mistakes: &mut Mistakes) -> String {
+    let names = || model.presets().iter().map(|preset| preset.name);
     match value {
         None => {}
         Some(Value::String(name)) if names().any(|known| known == name) => return name.clone(),
@@ -232,9 +253,9 @@ fn preset(value: Option<&Value>, mistakes: &mut Mistakes) -> String {
     "standard".to_owned()
 }
 
-fn name(value: Option<&Value>, mistakes: &mut Mistakes) -> String {
+fn name(value: Option<&Value>, model: Model, mistakes: &mut Mistakes) -> String {
     match value {
-        None => "memory".to_owned(),
+        None => model.name().to_owned(),
         Some(Value::String(name)) if (1..=200).contains(&name.chars().count()) => name.clone(),
         Some(other) => {
             mistakes.add(
@@ -261,7 +282,7 @@ fn priority(value: Option<&Value>, mistakes: &mut Mistakes) -> Option<i64> {
 /// The grids and the number of their points; without `[[grid]]` there is one point.
 fn grids(
     value: Option<&Value>,
-    written: &BTreeMap<&'static str, &'static str>,
+    sections: &Sections,
     limits: Limits,
     mistakes: &mut Mistakes,
 ) -> (Vec<Vec<Axis>>, u64) {
@@ -286,7 +307,7 @@ fn grids(
     let mut points: Option<u128> = Some(0);
     for (k, table) in tables.iter().enumerate() {
         let at = pointer("/grid", &k.to_string());
-        let (grid, count) = grid(table, &at, written, limits, mistakes);
+        let (grid, count) = grid(table, &at, sections, limits, mistakes);
         grids.push(grid);
         points = points.zip(count).and_then(|(a, b)| a.checked_add(b));
     }
@@ -307,7 +328,7 @@ fn grids(
 fn grid(
     value: &Value,
     at: &str,
-    written: &BTreeMap<&'static str, &'static str>,
+    sections: &Sections,
     limits: Limits,
     mistakes: &mut Mistakes,
 ) -> (Vec<Axis>, Option<u128>) {
@@ -325,11 +346,11 @@ fn grid(
     let mut points: Option<u128> = Some(1);
     for (name, value) in table {
         let place = pointer(at, name);
-        let Some(row) = parameter(name) else {
-            mistakes.add(&place, section::unknown_parameter(name));
+        let Some(row) = sections.model.parameter(name) else {
+            mistakes.add(&place, section::unknown_parameter(sections.model, name));
             continue;
         };
-        if let Some(section) = written.get(row.name) {
+        if let Some(section) = sections.written.get(row.name) {
             mistakes.add(&place, format!("{name} is an axis here, but fixed at /{section}/{name}: it can be one of them only"));
         }
         if let Some(counted) = axis::read(row, value, &place, limits.points, mistakes) {
@@ -355,8 +376,8 @@ fn values_by_axis<'a>(
     let mut map: BTreeMap<&str, Vec<Value>> = names.map(|name| (name.as_str(), vec![])).collect();
     for axis in grids.iter().flatten() {
         let values = map.entry(axis.name).or_default();
-        // Only flags are looked at by value, so a few of a long axis are enough.
-        values.extend(axis.values.iter().take(2).cloned());
+        // Flags are looked at by value, and a fit needs a few points, so the first ones of a long axis are enough.
+        values.extend(axis.values.iter().take(FIRST_VALUES).cloned());
     }
     map
 }

@@ -174,6 +174,8 @@ fn models_openapi_and_health_speak_json() {
     let sandbox = Sandbox::new();
     let models = sandbox.run(&["models", "--json"]).expect(0).json();
     assert_eq!(models["properties"]["delta0"]["x-symbol"], "δ0");
+    let beam = sandbox.run(&["models", "beam", "--json"]).expect(0).json();
+    assert_eq!(beam["properties"]["confining_pressure"]["x-symbol"], "Δp");
     let document = sandbox.run(&["openapi"]).expect(0).json();
     assert!(document["paths"]["/api/v1/sweeps"].is_object());
     let (_server, address) = sandbox.serve(&["--data", "data", "--workers", "0"]);

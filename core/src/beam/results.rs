@@ -27,6 +27,9 @@ pub const MEANS: &[&str] = &[
     "periods",
 ];
 
+/// The results that may be `null` with a word why: those of [`super::strength::Reason`] and [`super::stiffness::NoStiffness`].
+pub const REASONED: &[&str] = &["beam_stiffness", "ultimate_strength"];
+
 /// Every result, those of fits first; a set of means adds `_sem` to a name for its standard error.
 pub const RESULTS: &[Quantity] = &joined::<{ FITS.len() + BENDING.len() }>();
 
@@ -45,7 +48,7 @@ const fn joined<const N: usize>() -> [Quantity; N] {
 }
 
 /// What a fit of Eq. (4) yields.
-const FITS: &[Quantity] = &[
+pub const FITS: &[Quantity] = &[
     Quantity::new(
         "strength_zero_friction",
         ("Y⁰", "Pa"),
@@ -134,7 +137,7 @@ mod tests {
                 row.name
             );
         }
-        for name in MEANS {
+        for name in MEANS.iter().chain(REASONED) {
             assert!(BENDING.iter().any(|row| row.name == *name), "{name}");
         }
     }

@@ -4,7 +4,7 @@ use serde_json::{Map, Value};
 
 use super::curve::Dimensions;
 use super::point::{BeamPoint, PROTOCOL_B_FRICTION};
-use super::prediction::{grains, vertices};
+use super::prediction::{grains, rod_travel, vertices};
 use super::stiffness::ELASTIC_STRAIN;
 use crate::parameter::Rule;
 
@@ -181,55 +181,75 @@ impl BeamPoint {
     /// What is allowed but unwise, in full sentences.
     #[must_use]
     pub fn warnings(&self) -> Vec<String> {
-        let mut warnings = vec![];
-        let mut warn = |if_so: bool, text: String| warnings.extend(if_so.then_some(text));
+        let all = [
+            self.unequal_grains(),
+            self.few_grains(),
+            self.fine_membrane(),
+            self.coarse_membrane(),
+            self.fast_rods(),
+            self.compressed_growth(),
+        ];
+        all.into_iter().flatten().collect()
+    }
+
+    fn unequal_grains(&self) -> Option<String> {
         let ratio = self.radius_max / self.radius_min;
-        let diameter = self.radius_min + self.radius_max;
-        let across = self.height.min(self.depth) / diameter;
+        (ratio * ratio * ratio > 1e3).then(|| {
+            format!(
+                "the largest grain is more than 1000 times as heavy as the smallest (radii {ratio:.1} to 1): \
+                 the lightest sets the time step"
+            )
+        })
+    }
+
+    fn few_grains(&self) -> Option<String> {
+        let across = self.height.min(self.depth) / (self.radius_min + self.radius_max);
+        (across < 5.0 && self.initial_volume_fraction > 0.0).then(|| {
+            format!(
+                "the beam is {across:.1} grains across: more than half of them touch the membrane, \
+                 and E_b and Y_b are no material's"
+            )
+        })
+    }
+
+    fn fine_membrane(&self) -> Option<String> {
+        let edge = self.grow().membrane_edge;
+        (edge < 1.7 * self.radius_max).then(|| {
+            format!("membrane_edge = {edge} is less than 1.7 radii: one contact can reach over several triangles")
+        })
+    }
+
+    fn coarse_membrane(&self) -> Option<String> {
+        let edge = self.grow().membrane_edge;
+        let radius = self.rod_radius.unwrap_or(0.25 * self.height);
+        (edge > radius).then(|| {
+            format!(
+                "membrane_edge = {edge} exceeds the rods' radius {radius}: \
+                 triangles can fold around a rod between their vertices"
+            )
+        })
+    }
+
+    fn fast_rods(&self) -> Option<String> {
         let grow = self.grow();
-        let edge = grow.membrane_edge;
-        warn(
-            ratio * ratio * ratio > 1e3,
+        let way = rod_travel(&grow.dimensions(), ELASTIC_STRAIN);
+        let periods = self.prediction(&grow).first_frequency() * way / self.resolved_rod_speed();
+        (periods < 2.0).then(|| {
             format!(
-                "the largest grain is more than 1000 times as heavy as the smallest (radii {ratio:.1} to 1): the lightest sets the time step"
-            ),
-        );
-        warn(
-            across < 5.0 && self.initial_volume_fraction > 0.0,
+                "ε = {ELASTIC_STRAIN} is reached in {periods:.1} periods of the beam's first mode: \
+                 E_b is off by 10 % and more below 2"
+            )
+        })
+    }
+
+    fn compressed_growth(&self) -> Option<String> {
+        let fraction = self.initial_volume_fraction;
+        (fraction > 0.64).then(|| {
             format!(
-                "the beam is {across:.1} grains across: more than half of them touch the membrane, and E_b and Y_b are no material's"
-            ),
-        );
-        warn(
-            edge < 1.7 * self.radius_max,
-            format!(
-                "membrane_edge = {edge} is less than 1.7 radii: one contact can reach over several triangles"
-            ),
-        );
-        let rod_radius = self.rod_radius.unwrap_or(0.25 * self.height);
-        warn(
-            edge > rod_radius,
-            format!(
-                "membrane_edge = {edge} exceeds the rods' radius {rod_radius}: triangles can fold around a rod between their vertices"
-            ),
-        );
-        let frequency = self.prediction(&grow).first_frequency();
-        let way = super::prediction::rod_travel(&grow.dimensions(), ELASTIC_STRAIN);
-        let periods = frequency * way / self.resolved_rod_speed();
-        warn(
-            periods < 2.0,
-            format!(
-                "ε = {ELASTIC_STRAIN} is reached in {periods:.1} periods of the beam's first mode: E_b is off by 10 % and more below 2"
-            ),
-        );
-        warn(
-            self.initial_volume_fraction > 0.64,
-            format!(
-                "initial_volume_fraction = {} is above random close packing: the grains are compressed as they grow",
-                self.initial_volume_fraction
-            ),
-        );
-        warnings
+                "initial_volume_fraction = {fraction} is above random close packing: \
+                 the grains are compressed as they grow"
+            )
+        })
     }
 }
 

@@ -117,11 +117,7 @@ impl Columns {
                 .iter()
                 .map(|name| row.parameters.get(name).cloned().unwrap_or_default()),
         );
-        cells.extend(
-            self.results
-                .iter()
-                .map(|name| json!(row.results.get(name).copied().flatten())),
-        );
+        cells.extend(self.results.iter().map(|name| json!(row.results.get(name))));
         let failure = row.failure.as_ref().map(|failure| &failure.message);
         cells.extend([json!(row.job), json!(row.result_hash), json!(failure)]);
         csv_line(cells.iter())

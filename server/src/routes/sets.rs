@@ -54,7 +54,10 @@ fn csv(rows: &[SetRow]) -> String {
         let new = row.results.keys().filter(|name| !results.contains(name));
         results.extend(new.collect::<Vec<_>>());
     }
+    // Only fits have a shape.
+    let shaped = rows.iter().any(|row| row.shape.is_some());
     let names = ["set", "reduce", "processing"].into_iter();
+    let names = names.chain(shaped.then_some("shape"));
     let names = names.chain(parameters.iter().chain(&results).map(|name| name.as_str()));
     let names: Vec<Value> = names
         .chain(["n", "of", "provisional"])
@@ -62,6 +65,7 @@ fn csv(rows: &[SetRow]) -> String {
         .collect();
     let line = |row: &SetRow| {
         let mut cells = vec![json!(row.set), json!(row.reduce), json!(row.processing)];
+        cells.extend(shaped.then(|| json!(row.shape)));
         cells.extend(
             parameters
                 .iter()

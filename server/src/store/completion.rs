@@ -3,7 +3,7 @@
 use granary_api::id::{LeaseId, ResultHash};
 use granary_api::lease::{Completion, JobOutcome};
 use granary_api::problem::Mistake;
-use serde_json::json;
+use serde_json::{Value, json};
 
 use super::event::{Wanting, event_add, event_finished, event_point};
 use super::job::{self, Held};
@@ -187,6 +187,15 @@ fn hashes_agree(outcomes: &[JobOutcome]) -> Result<(), StoreError> {
     }
 }
 
+/// The results as tables hold them: a number that is missing has its reason beside it.
+fn scalars(outcome: &JobOutcome) -> Value {
+    let mut scalars = json!(outcome.results);
+    for (name, reason) in &outcome.reasons {
+        scalars[format!("{name}_reason")] = json!(reason);
+    }
+    scalars
+}
+
 async fn outcome_add(
     transaction: &mut Writing,
     lease: LeaseId,
@@ -199,7 +208,7 @@ async fn outcome_add(
     sqlx::query(ADD)
         .bind(job)
         .bind(lease.0)
-        .bind(json!(outcome.results).to_string())
+        .bind(scalars(outcome).to_string())
         .bind(json!(outcome.artifacts).to_string())
         .bind(json!(outcome.warnings).to_string())
         .bind(&outcome.result_hash.as_bytes()[..])

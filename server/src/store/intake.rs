@@ -169,12 +169,13 @@ async fn sweep_add(
 ) -> Result<i64, StoreError> {
     const ADD: &str = "
         insert into sweep (uuid, identity, name, model, preset, spec, plan, warnings, priority, state, points, created_at)
-        values ($1, $2, $3, 'memory', $4, $5, $6, '[]', $7, 'active', $8, $9)";
+        values ($1, $2, $3, $4, $5, $6, $7, '[]', $8, 'active', $9, $10)";
     let resolved = json!({"axes": plan.axes(), "fixed": plan.fixed, "reductions": plan.reductions});
     let added = sqlx::query(ADD)
         .bind(id.0)
         .bind(&identity[..])
         .bind(&plan.name)
+        .bind(plan.model.name())
         .bind(&plan.preset)
         .bind(plan.spec.to_string())
         .bind(resolved.to_string())

@@ -6,7 +6,6 @@ use granary_api::id::{SweepId, WorkerId};
 use granary_api::job::Progress;
 use granary_api::problem::Mistake;
 use granary_api::table::{Page, PointRow};
-use granary_core::memory::parameters::parameter;
 use serde_json::{Map, Value, json};
 use sqlx::{AssertSqlSafe, SqlitePool};
 
@@ -167,15 +166,15 @@ impl Store {
     /// The names of the scalars that the points of a sweep have so far.
     pub async fn point_result_names(&self, sweep: SweepId) -> Result<Vec<String>, StoreError> {
         let plan = self.sweep_plan(sweep).await?;
-        Ok(self.result_names(plan.id).await?.into_iter().collect())
+        Ok(self.result_names(&plan).await?.into_iter().collect())
     }
 
-    async fn result_names(&self, sweep: i64) -> Result<BTreeSet<String>, StoreError> {
+    async fn result_names(&self, plan: &SweepPlan) -> Result<BTreeSet<String>, StoreError> {
         const NAMES: &str = "
             select o.results from want w join outcome o on o.job = w.job
              where w.sweep = $1 and w.state = 'done' and w.points > 0 limit 20";
         let rows: Vec<String> = sqlx::query_scalar(NAMES)
-            .bind(sweep)
+            .bind(plan.id)
             .fetch_all(self.readers())
             .await?;
         let mut names = BTreeSet::new();
@@ -184,17 +183,25 @@ impl Store {
                 serde_json::from_str(&row).map_err(StoreError::corrupt("result"))?;
             names.extend(results.into_iter().map(|(name, _)| name));
         }
+        // A later row may lack what the first ones have.
+        for name in plan.model.reasoned() {
+            if names.contains(*name) {
+                names.insert(format!("{name}_reason"));
+            }
+        }
         Ok(names)
     }
 
     /// Refuses columns that no row can have; before the first result any name may be one.
     async fn columns_exist(&self, plan: &SweepPlan, query: &TableQuery) -> Result<(), StoreError> {
-        let strange = |name: &&str| !["point", "state"].contains(name) && parameter(name).is_none();
+        let strange = |name: &&str| {
+            !["point", "state"].contains(name) && plan.model.parameter(name).is_none()
+        };
         let strange: Vec<&str> = query.named().filter(strange).collect();
         if strange.is_empty() {
             return Ok(());
         }
-        let known = self.result_names(plan.id).await?;
+        let known = self.result_names(plan).await?;
         let wrong = strange
             .into_iter()
             .filter(|name| !known.is_empty() && !known.contains(*name));

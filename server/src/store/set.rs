@@ -14,6 +14,7 @@ use serde_json::{Map, Value, json};
 use super::point::wrong_cursor;
 use super::sweep::SweepPlan;
 use super::{Store, StoreError};
+use crate::reduce::strength::ultimate_strength_fit;
 use crate::reduce::{Member, Scorer, mean_sem};
 use crate::sweep::reduction::Reduction;
 use crate::table::{TableQuery, compare};
@@ -103,15 +104,17 @@ impl Store {
     /// Every set, numbered.
     async fn sets(&self, plan: &SweepPlan) -> Result<Vec<SetRow>, StoreError> {
         let mut all: Vec<SetRow> = vec![];
-        let mut last: Vec<SetRow> = vec![];
+        let mut last: Option<Vec<SetRow>> = None;
         for reduction in &plan.reductions {
-            last = match reduction {
-                Reduction::GainFidelity { over, processing } => {
+            let sets = match (reduction, last) {
+                (Reduction::GainFidelity { over, processing }, _) => {
                     self.scores(plan, over, processing).await?
                 }
-                Reduction::MeanSem { over } => mean_sem(&last, over),
+                (other, Some(sets)) => reduced(&sets, other),
+                (other, None) => reduced(&self.measured(plan).await?, other),
             };
-            all.extend(last.iter().cloned());
+            all.extend(sets.iter().cloned());
+            last = Some(sets);
         }
         for (number, set) in all.iter_mut().enumerate() {
             set.set = number as u64;
@@ -254,12 +257,21 @@ impl Store {
     }
 }
 
+/// A link of the chain that needs only the rows before it.
+fn reduced(rows: &[SetRow], reduction: &Reduction) -> Vec<SetRow> {
+    match reduction {
+        Reduction::UltimateStrengthFit { over } => ultimate_strength_fit(rows, over),
+        other => mean_sem(rows, other.over()),
+    }
+}
+
 /// A set's value in any column.
 fn column(set: &SetRow, plan: &SweepPlan, name: &str) -> Value {
     match name {
         "set" => json!(set.set),
         "reduce" => json!(set.reduce),
         "processing" => json!(set.processing),
+        "shape" => json!(set.shape),
         "n" => json!(set.n),
         "of" => json!(set.of),
         "provisional" => json!(set.provisional),

@@ -20,6 +20,8 @@ fn default_speed(class: &str) -> f64 {
         ["recall", _, "f32"] => 2e7,
         ["recall", ..] => 8e6,
         [_, "sphere", ..] => 1e7,
+        // 2.1 ms a step for 17,000 grains and vertices.
+        [_, "beam", ..] => 17e3 / 2.1e-3,
         _ => 4e6,
     }
 }
@@ -140,11 +142,14 @@ pub(super) async fn speed_remaining(
     Ok(rows.iter().map(seconds).sum())
 }
 
-/// Files that one job leaves: a state is about as large as the memory of a lone run, a recall leaves curves.
+/// Files that one job leaves: the last stages leave curves, the others a state.
+///
+/// A state is about as large as the memory of a lone run, which for a beam is a generous guess.
 fn stored_bytes(class: &str, memory: u64) -> u64 {
-    if class.starts_with("recall") {
-        100_000
-    } else {
-        memory
+    match class.split('/').collect::<Vec<_>>()[..] {
+        ["recall", ..] => 100_000,
+        ["bend", ..] => 1_000_000,
+        [_, "beam", ..] => memory / 16,
+        _ => memory,
     }
 }

@@ -3,6 +3,7 @@
 use granary_api::id::SweepId;
 use granary_api::sweep::{PointCounts, Steered, Sweep, SweepState};
 use granary_api::table::Page;
+use granary_core::model::Model;
 use serde_json::{Value, json};
 
 use super::event::event_add;
@@ -13,6 +14,7 @@ use crate::sweep::reduction::Reduction;
 /// A sweep's row, as the rest of the store needs it.
 pub(crate) struct SweepPlan {
     pub(crate) id: i64,
+    pub(crate) model: Model,
     pub(crate) axes: Vec<String>,
     pub(crate) fixed: serde_json::Map<String, Value>,
     pub(crate) reductions: Vec<Reduction>,
@@ -86,15 +88,18 @@ impl Store {
 
     /// The plan of one sweep as it was resolved.
     pub(crate) async fn sweep_plan(&self, sweep: SweepId) -> Result<SweepPlan, StoreError> {
-        const PLAN: &str = "select id, plan, points from sweep where uuid = $1";
-        let row: Option<(i64, String, i64)> = sqlx::query_as(PLAN)
+        const PLAN: &str = "select id, model, plan, points from sweep where uuid = $1";
+        let row: Option<(i64, String, String, i64)> = sqlx::query_as(PLAN)
             .bind(sweep.0)
             .fetch_optional(self.readers())
             .await?;
-        let (id, plan, points) = row.ok_or_else(|| missing(sweep))?;
+        let (id, model, plan, points) = row.ok_or_else(|| missing(sweep))?;
         let mut plan: Value = serde_json::from_str(&plan).map_err(StoreError::corrupt("plan"))?;
+        let model = Model::named(&model);
+        let model = model.ok_or_else(|| StoreError::NotFound("such a model".to_owned()))?;
         Ok(SweepPlan {
             id,
+            model,
             axes: serde_json::from_value(plan["axes"].take())
                 .map_err(StoreError::corrupt("plan"))?,
             fixed: serde_json::from_value(plan["fixed"].take())

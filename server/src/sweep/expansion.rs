@@ -1,21 +1,18 @@
 //! Expansion: the points of a plan and the jobs they need, a chunk at a time, in bounded memory.
 //!
-//! Points that share a trained pack are expanded together (a *trunk*), whatever the order of the axes,
-//! so that a pack is named once and its recalls stand side by side in the queue.
+//! Points that share all stages but the last, as recalls in one trained pack do, are expanded together (a *trunk*),
+//! whatever the order of the axes, so that a pack is named once and its recalls stand side by side in the queue.
 //! A point keeps the number that the declared order of the axes gives it.
 
 use std::collections::HashSet;
 
 use granary_core::identity::{StageId, canonical_json};
-use granary_core::memory::spec::{MemoryPoint, PackSpec, Precision, ShapeName};
-use granary_core::memory::waveform::Waveform;
-use granary_core::stage::{StageSpec, Work, stages_of};
+use granary_core::model::{Model, ModelPoint};
+use granary_core::stage::{StageSpec, Work};
 use serde_json::Value;
 
 use super::{Axis, Plan};
 
-/// Axes that only the recall sees; all others make a trunk.
-const LEAVES: [&str; 2] = ["waveform", "gamma0"];
 /// The most different warnings of one sweep.
 const MOST_WARNINGS: usize = 20;
 
@@ -37,7 +34,7 @@ pub struct NewEnsemble {
     pub key: StageId,
     /// The kind of stage.
     pub kind: &'static str,
-    /// Kind, shape and precision: jobs of one class run at one speed.
+    /// Jobs of one class run at one speed.
     pub class: String,
     /// How many run side by side.
     pub lanes: usize,
@@ -50,7 +47,7 @@ pub struct NewEnsemble {
 pub struct NewPoint {
     /// Its number.
     pub point: u64,
-    /// Its recall.
+    /// Its last stage.
     pub job: StageId,
     /// The parameters that vary, as JSON.
     pub parameters: String,
@@ -83,10 +80,11 @@ pub struct Expansion<'a> {
     warnings: Vec<String>,
 }
 
-/// Everything that the points of one trained pack share.
+/// Everything that points share which differ in their leaves only.
 struct Trunk {
-    point: MemoryPoint,
-    train: StageId,
+    point: ModelPoint,
+    /// The stage before the last.
+    needs: StageId,
     ensemble: StageId,
 }
 
@@ -131,7 +129,7 @@ impl<'a> Expansion<'a> {
 
     /// Adds the point at hand, and the jobs of its trunk if it is the first there.
     fn point(&mut self, chunk: &mut Chunk) {
-        let choice = Choice::of(self.axes(), self.trunk, self.leaf);
+        let choice = Choice::of(self.plan.model, self.axes(), self.trunk, self.leaf);
         let trunk = match self.current.take() {
             Some(trunk) => trunk,
             None => self.plant(&choice, chunk),
@@ -139,9 +137,9 @@ impl<'a> Expansion<'a> {
         let parameters = self.parameters(&choice);
         if self.is_new(&parameters) {
             let mut point = trunk.point.clone();
-            choice.grow(self.axes(), &mut point);
+            choice.set_leaves(self.axes(), &mut point);
             self.warn(&point);
-            let spec = StageSpec::Recall(point.recall(trunk.train));
+            let spec = point.last(trunk.needs);
             let id = spec.id();
             chunk.points.push(NewPoint {
                 point: self.first_point + choice.number,
@@ -159,49 +157,52 @@ impl<'a> Expansion<'a> {
 
     fn advance(&mut self) {
         self.leaf += 1;
-        if self.leaf < size(self.axes(), true) {
+        let size = |leaves| size(self.plan.model, self.axes(), leaves);
+        let (leaves, trunks) = (size(true), size(false));
+        if self.leaf < leaves {
             return;
         }
         (self.leaf, self.trunk, self.current) = (0, self.trunk + 1, None);
-        if self.trunk < size(self.axes(), false) {
+        if self.trunk < trunks {
             return;
         }
-        self.first_point += size(self.axes(), true) * size(self.axes(), false);
+        self.first_point += leaves * trunks;
         (self.trunk, self.grid) = (0, self.grid + 1);
     }
 
-    /// Makes the trunk of `choice` and queues its pack, its training and, if asked for, its zero recall.
+    /// Makes the trunk of `choice` and queues its stages but the last, and its zero recall if that is asked for.
     fn plant(&self, choice: &Choice, chunk: &mut Chunk) -> Trunk {
         let mut map = self.plan.fixed.clone();
         for (axis, &index) in self.axes().iter().zip(&choice.indices) {
             map.insert(axis.name.to_owned(), axis.values[index].clone());
         }
-        let point = MemoryPoint::from_parameters(map)
-            .expect("the plan holds every parameter, each checked against the table");
-        let [pack, train, zero] = stages_of(&MemoryPoint {
-            waveform: Waveform::Zero,
-            ..point.clone()
-        });
-        let named = "a train names its pack, a recall its train";
-        let (pack_id, train_id) = (train.needs().expect(named), zero.needs().expect(named));
-        // Each of the three is the key of its own ensemble, so no hash is made twice.
-        let ids = [pack_id, train_id, zero.id()];
-        let shape = point.pack();
-        let helpers = if self.needs_zero { 3 } else { 2 };
-        for (k, (id, spec)) in ids.into_iter().zip([pack, train, zero]).enumerate() {
-            chunk.ensembles.push(new_ensemble(id, &spec, &shape));
-            if k < helpers {
+        let point = self.plan.model.point(map);
+        let point = point.expect("the plan holds every parameter, each checked against the table");
+        let stages = point.bare().stages();
+        // Each of them is the key of its own ensemble, and names the one before it, so no hash is made twice.
+        let named = "a stage names the one before it";
+        let mut ids: Vec<StageId> = stages[1..]
+            .iter()
+            .map(|stage| stage.needs().expect(named))
+            .collect();
+        let needs = ids[ids.len() - 1];
+        let ensemble = stages[stages.len() - 1].id();
+        ids.push(ensemble);
+        let queued = stages.len() - usize::from(!self.needs_zero);
+        for (k, (&id, spec)) in ids.iter().zip(&stages).enumerate() {
+            chunk.ensembles.push(new_ensemble(id, spec, &stages[..k]));
+            if k < queued {
                 chunk.jobs.push(NewJob {
                     id,
-                    spec,
+                    spec: spec.clone(),
                     ensemble: id,
                 });
             }
         }
         Trunk {
             point,
-            train: train_id,
-            ensemble: ids[2],
+            needs,
+            ensemble,
         }
     }
 
@@ -232,7 +233,7 @@ impl<'a> Expansion<'a> {
         seen.insert(short)
     }
 
-    fn warn(&mut self, point: &MemoryPoint) {
+    fn warn(&mut self, point: &ModelPoint) {
         for warning in point.warnings() {
             if self.warnings.len() < MOST_WARNINGS && !self.warnings.contains(&warning) {
                 self.warnings.push(warning);
@@ -249,11 +250,15 @@ struct Choice {
 }
 
 impl Choice {
-    fn of(axes: &[Axis], mut trunk: u64, mut leaf: u64) -> Self {
+    fn of(model: Model, axes: &[Axis], mut trunk: u64, mut leaf: u64) -> Self {
         let mut indices = vec![0; axes.len()];
         for (k, axis) in axes.iter().enumerate().rev() {
             let n = axis.values.len() as u64;
-            let part = if is_leaf(axis) { &mut leaf } else { &mut trunk };
+            let part = if is_leaf(model, axis) {
+                &mut leaf
+            } else {
+                &mut trunk
+            };
             indices[k] = (*part % n) as usize;
             *part /= n;
         }
@@ -263,28 +268,21 @@ impl Choice {
         Self { indices, number }
     }
 
-    /// Gives `point` the values of the axes that only a recall sees.
-    fn grow(&self, axes: &[Axis], point: &mut MemoryPoint) {
-        let fixed = |name: &str| axes.iter().position(|axis| axis.name == name);
-        if let Some(k) = fixed("gamma0") {
-            point.gamma0 = axes[k].values[self.indices[k]]
-                .as_f64()
-                .expect("checked against the table");
-        }
-        if let Some(k) = fixed("waveform") {
-            point.waveform = Waveform::parse(&axes[k].values[self.indices[k]])
-                .expect("checked against the table");
+    /// Gives `point` the values of the axes that are leaves.
+    fn set_leaves(&self, axes: &[Axis], point: &mut ModelPoint) {
+        for (axis, &index) in axes.iter().zip(&self.indices) {
+            point.set_leaf(axis.name, &axis.values[index]);
         }
     }
 }
 
-fn is_leaf(axis: &Axis) -> bool {
-    LEAVES.contains(&axis.name)
+fn is_leaf(model: Model, axis: &Axis) -> bool {
+    model.leaves().contains(&axis.name)
 }
 
 /// The number of combinations of the axes that are leaves, or of those that are not.
-fn size(axes: &[Axis], leaves: bool) -> u64 {
-    let some = axes.iter().filter(|axis| is_leaf(axis) == leaves);
+fn size(model: Model, axes: &[Axis], leaves: bool) -> u64 {
+    let some = axes.iter().filter(|axis| is_leaf(model, axis) == leaves);
     some.map(|axis| axis.values.len() as u64).product()
 }
 
@@ -292,21 +290,12 @@ fn fragment(name: &str, value: &Value) -> String {
     format!("\"{name}\":{}", canonical_json(value))
 }
 
-fn new_ensemble(key: StageId, spec: &StageSpec, pack: &PackSpec) -> NewEnsemble {
-    let shape = match pack.shape {
-        ShapeName::Sphere => "sphere",
-        ShapeName::Tetrahedron => "tetrahedron",
-    };
-    let precision = match spec {
-        StageSpec::Recall(recall) if recall.precision == Precision::F32 => "f32",
-        _ => "f64",
-    };
-    let kind = spec.kind().name();
+fn new_ensemble(key: StageId, spec: &StageSpec, before: &[StageSpec]) -> NewEnsemble {
     NewEnsemble {
         key,
-        kind,
-        class: format!("{kind}/{shape}/{precision}"),
+        kind: spec.kind().name(),
+        class: spec.class(before),
         lanes: spec.max_lanes(),
-        work: spec.work(pack),
+        work: spec.work(before),
     }
 }

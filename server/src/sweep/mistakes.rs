@@ -36,6 +36,11 @@ impl Mistakes {
         self.found.is_empty()
     }
 
+    /// Whether further mistakes are only counted.
+    pub(crate) fn is_full(&self) -> bool {
+        self.found.len() >= MOST
+    }
+
     /// The mistakes, with a last line that counts those left out.
     pub(crate) fn into_list(mut self) -> Vec<Mistake> {
         if self.more > 0 {

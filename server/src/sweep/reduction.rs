@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use granary_core::memory::parameters::{PARAMETERS, parameter};
 use granary_core::memory::score::Processing;
+use granary_core::model::Model;
 use granary_core::parameter::shown;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
@@ -21,9 +21,14 @@ pub enum Reduction {
         /// Ways to process a signal.
         processing: Vec<Processing>,
     },
-    /// Mean and its standard error of the sets of the link before.
+    /// Mean and its standard error of the points, or of the sets of the link before.
     MeanSem {
         /// Parameters.
+        over: Vec<String>,
+    },
+    /// Eq. (4) through the strengths of the points, or of the sets of the link before.
+    UltimateStrengthFit {
+        /// Parameters, friction among them.
         over: Vec<String>,
     },
 }
@@ -35,6 +40,7 @@ impl Reduction {
         match self {
             Self::GainFidelity { .. } => "gain_fidelity",
             Self::MeanSem { .. } => "mean_sem",
+            Self::UltimateStrengthFit { .. } => "ultimate_strength_fit",
         }
     }
 
@@ -42,7 +48,9 @@ impl Reduction {
     #[must_use]
     pub fn over(&self) -> &[String] {
         match self {
-            Self::GainFidelity { over, .. } | Self::MeanSem { over } => over,
+            Self::GainFidelity { over, .. }
+            | Self::MeanSem { over }
+            | Self::UltimateStrengthFit { over } => over,
         }
     }
 
@@ -53,19 +61,66 @@ impl Reduction {
     }
 }
 
-const KINDS: [&str; 2] = ["gain_fidelity", "mean_sem"];
+/// The kinds of reductions of a model, those that a chain may begin with first.
+fn kinds(model: Model) -> &'static [Kind] {
+    match model {
+        Model::Memory => &[Kind::GainFidelity, Kind::MeanSem],
+        Model::Beam => &[Kind::MeanSem, Kind::UltimateStrengthFit],
+    }
+}
+
+/// A reduction without what it says.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    GainFidelity,
+    MeanSem,
+    UltimateStrengthFit,
+}
+
+impl Kind {
+    fn name(self) -> &'static str {
+        match self {
+            Self::GainFidelity => "gain_fidelity",
+            Self::MeanSem => "mean_sem",
+            Self::UltimateStrengthFit => "ultimate_strength_fit",
+        }
+    }
+
+    /// The parameter that it is taken over where nobody says.
+    fn usual_over(self) -> &'static str {
+        match self {
+            Self::GainFidelity => "waveform",
+            Self::MeanSem => "packing_seed",
+            Self::UltimateStrengthFit => FRICTION,
+        }
+    }
+}
+
+/// The parameter of Eq. (4).
+const FRICTION: &str = "friction_coefficient";
+/// The fewest strengths that Eq. (4) is fitted to.
+const LEAST_STRENGTHS: usize = 4;
 /// What a score is scaled by; one set cannot have several values of it.
 const SCALES: [&str; 3] = ["youngs_modulus", "delta0", "gamma0"];
 
 /// The model's usual chain, for a sweep with these axes.
-pub(crate) fn usual(axes: &BTreeMap<&str, Vec<Value>>) -> Vec<Reduction> {
-    let mut chain = vec![Reduction::GainFidelity {
-        over: vec!["waveform".to_owned()],
-        processing: vec![Processing::Sub0],
-    }];
+pub(crate) fn usual(model: Model, axes: &BTreeMap<&str, Vec<Value>>) -> Vec<Reduction> {
+    let mut chain = vec![];
+    if model == Model::Memory {
+        chain.push(Reduction::GainFidelity {
+            over: vec!["waveform".to_owned()],
+            processing: vec![Processing::Sub0],
+        });
+    }
     if axes.contains_key("packing_seed") {
         chain.push(Reduction::MeanSem {
             over: vec!["packing_seed".to_owned()],
+        });
+    }
+    let frictions = axes.get(FRICTION).map_or(0, Vec::len);
+    if model == Model::Beam && frictions >= LEAST_STRENGTHS {
+        chain.push(Reduction::UltimateStrengthFit {
+            over: vec![FRICTION.to_owned()],
         });
     }
     chain
@@ -74,6 +129,7 @@ pub(crate) fn usual(axes: &BTreeMap<&str, Vec<Value>>) -> Vec<Reduction> {
 /// Reads `[[reduce]]`; `axes` are the values that each axis takes, `fixed` the parameters without one.
 pub(crate) fn read(
     value: &Value,
+    model: Model,
     axes: &BTreeMap<&str, Vec<Value>>,
     fixed: &Map<String, Value>,
     mistakes: &mut Mistakes,
@@ -95,10 +151,10 @@ pub(crate) fn read(
     let mut chain: Vec<Reduction> = vec![];
     for (k, table) in tables.iter().enumerate() {
         let at = pointer("/reduce", &k.to_string());
-        let Some(link) = link(table, &at, mistakes) else {
+        let Some(link) = link(table, model, &at, mistakes) else {
             continue;
         };
-        rules(&link, &chain, k, &at, axes, mistakes);
+        rules(&link, model, &chain, &at, axes, mistakes);
         if second_cycle_is_missing(&link, axes, fixed) {
             mistakes.add(
                 &pointer(&at, "processing"),
@@ -110,23 +166,21 @@ pub(crate) fn read(
     chain
 }
 
-fn link(value: &Value, at: &str, mistakes: &mut Mistakes) -> Option<Reduction> {
+fn link(value: &Value, model: Model, at: &str, mistakes: &mut Mistakes) -> Option<Reduction> {
     let Some(table) = value.as_object() else {
         mistakes.add(at, format!("{} is not a table", shown(value)));
         return None;
     };
-    let kind = table
+    let written = table
         .get("kind")
         .and_then(Value::as_str)
         .unwrap_or_default();
-    if !KINDS.contains(&kind) {
-        mistakes.add(
-            &pointer(at, "kind"),
-            unknown("reduction", kind, KINDS.into_iter()),
-        );
+    let Some(&kind) = kinds(model).iter().find(|kind| kind.name() == written) else {
+        let names = kinds(model).iter().map(|kind| kind.name());
+        mistakes.add(&pointer(at, "kind"), unknown("reduction", written, names));
         return None;
-    }
-    let scores = kind == "gain_fidelity";
+    };
+    let scores = kind == Kind::GainFidelity;
     let allowed = ["kind", "over"]
         .into_iter()
         .chain(scores.then_some("processing"));
@@ -139,9 +193,11 @@ fn link(value: &Value, at: &str, mistakes: &mut Mistakes) -> Option<Reduction> {
             unknown("field of this reduction", key, allowed.clone()),
         );
     }
-    let over = over(table.get("over"), scores, at, mistakes)?;
-    if !scores {
-        return Some(Reduction::MeanSem { over });
+    let over = over(table.get("over"), (model, kind), at, mistakes)?;
+    match kind {
+        Kind::GainFidelity => {}
+        Kind::MeanSem => return Some(Reduction::MeanSem { over }),
+        Kind::UltimateStrengthFit => return Some(Reduction::UltimateStrengthFit { over }),
     }
     let processing = processing(
         table.get("processing"),
@@ -153,11 +209,12 @@ fn link(value: &Value, at: &str, mistakes: &mut Mistakes) -> Option<Reduction> {
 
 fn over(
     value: Option<&Value>,
-    scores: bool,
+    (model, kind): (Model, Kind),
     at: &str,
     mistakes: &mut Mistakes,
 ) -> Option<Vec<String>> {
-    let usual = json!([if scores { "waveform" } else { "packing_seed" }]);
+    let usual = json!([kind.usual_over()]);
+    let scores = kind == Kind::GainFidelity;
     let names = words(value.unwrap_or(&usual));
     let at = pointer(at, "over");
     let Some(names) = names.filter(|names| !names.is_empty()) else {
@@ -170,10 +227,10 @@ fn over(
         );
         return None;
     };
-    let known = || PARAMETERS.iter().map(|row| row.name);
+    let known = || model.parameters().iter().map(|row| row.name);
     for (k, name) in names.iter().enumerate() {
         let place = pointer(&at, &k.to_string());
-        if parameter(name).is_none() {
+        if model.parameter(name).is_none() {
             let detail = match nearest(name, known()) {
                 Some(near) => format!(
                     "{} is not a parameter; did you mean {near}?",
@@ -236,18 +293,21 @@ fn words(value: &Value) -> Option<Vec<String>> {
 /// The rules between the links of a chain, and between a link and the axes.
 fn rules(
     link: &Reduction,
+    model: Model,
     before: &[Reduction],
-    place: usize,
     at: &str,
     axes: &BTreeMap<&str, Vec<Value>>,
     mistakes: &mut Mistakes,
 ) {
     let scores = matches!(link, Reduction::GainFidelity { .. });
-    if scores != (place == 0) {
+    if model == Model::Memory && scores != before.is_empty() {
         mistakes.add(
             &pointer(at, "kind"),
             "a chain starts with gain_fidelity, and mean_sem follows it",
         );
+    }
+    if let Reduction::UltimateStrengthFit { over } = link {
+        strengths(over, before, at, mistakes);
     }
     for (k, name) in link.over().iter().enumerate() {
         let place = pointer(&pointer(at, "over"), &k.to_string());
@@ -256,12 +316,33 @@ fn rules(
                 &place,
                 format!("{name} is gone: an earlier reduction was taken over it"),
             );
-        } else if !scores && parameter(name).is_some() && !axes.contains_key(name.as_str()) {
+        } else if !scores && model.parameter(name).is_some() && !axes.contains_key(name.as_str()) {
+            let what = match link {
+                Reduction::UltimateStrengthFit { .. } => "fit",
+                _ => "mean",
+            };
             mistakes.add(
                 &place,
-                format!("{name} is not an axis of this sweep, so there is no mean over it"),
+                format!("{name} is not an axis of this sweep, so there is no {what} over it"),
             );
         }
+    }
+}
+
+/// The rules of a fit of Eq. (4).
+fn strengths(over: &[String], before: &[Reduction], at: &str, mistakes: &mut Mistakes) {
+    if !over.iter().any(|name| name == FRICTION) {
+        mistakes.add(
+            &pointer(at, "over"),
+            format!("Eq. (4) is a law of {FRICTION}: the fit must be taken over it"),
+        );
+    }
+    let fit = |link: &Reduction| matches!(link, Reduction::UltimateStrengthFit { .. });
+    if before.iter().any(fit) {
+        mistakes.add(
+            &pointer(at, "kind"),
+            "an earlier fit has used up the strengths: a chain may have one",
+        );
     }
 }
 

@@ -9,9 +9,10 @@ use granary_api::id::{LeaseId, SweepId, WorkerId};
 use granary_api::lease::{Completion, JobOutcome, LeaseGrant, LeaseRequest, LeasedJob, Provenance};
 use granary_api::sweep::Submitted;
 use granary_core::PHYSICS_VERSION;
+use granary_core::beam::spec::BendSpec;
 use granary_core::memory::score::Signal;
 use granary_core::memory::waveform::{SAMPLES, sample_u};
-use granary_core::stage::{Outcome, SIGNAL, STATE, StageSpec};
+use granary_core::stage::{HISTORY, Outcome, SIGNAL, STATE, StageSpec};
 use granary_server::{Config, Store, Submission, app, submit};
 use http_body_util::BodyExt;
 use serde_json::{Value, json};
@@ -158,6 +159,7 @@ impl Fresh {
         JobOutcome {
             job: job.job,
             results: outcome.results.clone(),
+            reasons: outcome.reasons.clone(),
             artifacts,
             warnings: outcome.warnings.clone(),
             result_hash: outcome.hash(),
@@ -201,6 +203,9 @@ pub(crate) const GAIN_E_DELTA0: f64 = 150_000.0;
 
 /// A made-up outcome: a recall gives back its waveform with a known gain over a known background.
 pub(crate) fn outcome(spec: &StageSpec) -> Outcome {
+    if let StageSpec::Bend(bend) = spec {
+        return bent(bend);
+    }
     let (name, bytes) = match spec {
         StageSpec::Recall(recall) => {
             let bumps = recall.waveform.bumps();
@@ -229,6 +234,29 @@ pub(crate) fn outcome(spec: &StageSpec) -> Outcome {
             .collect(),
         reasons: BTreeMap::new(),
         artifacts: BTreeMap::from([(name.to_owned(), bytes)]),
+        warnings: vec![],
+        steps: 1000,
+    }
+}
+
+/// A made-up beam: E_b = 5 MPa, and Y_b = 100 kPa − 80 kPa e^{−5μ} but for μ = 0.2, where it does not yield.
+fn bent(spec: &BendSpec) -> Outcome {
+    let strength = 100e3 - 80e3 * (-5.0 * spec.friction_coefficient).exp();
+    let yields = (spec.friction_coefficient - 0.2).abs() > 1e-9;
+    let results = [
+        ("beam_stiffness", Some(5e6)),
+        ("ultimate_strength", yields.then_some(strength)),
+        ("ultimate_strength_lower_bound", Some(175e3)),
+        ("volume_fraction", Some(0.62)),
+    ];
+    let reason = ("ultimate_strength".to_owned(), "not_prominent".to_owned());
+    Outcome {
+        results: results
+            .into_iter()
+            .map(|(name, value)| (name.to_owned(), value))
+            .collect(),
+        reasons: (!yields).then_some(reason).into_iter().collect(),
+        artifacts: BTreeMap::from([(HISTORY.to_owned(), b"[]".to_vec())]),
         warnings: vec![],
         steps: 1000,
     }

@@ -3,6 +3,7 @@
 mod harness;
 
 mod artifacts;
+mod beam;
 mod endings;
 mod events;
 mod gate;

@@ -45,7 +45,17 @@ async fn models_describe_every_parameter_and_preset() {
         (&json!("𝒢·E·δ0"), &json!("Pa"))
     );
     assert_eq!(model["presets"].as_array().expect("presets").len(), 3);
-    assert_eq!(fresh.get("/api/v1/models/beam").await.status, 404);
+    let beam = fresh.get("/api/v1/models/beam").await.json();
+    let stiffness = &beam["parameters"]["properties"]["youngs_modulus"];
+    assert_eq!(stiffness["x-symbol"], "E_p");
+    let strength = &beam["results"]["properties"]["ultimate_strength"];
+    assert_eq!(
+        (&strength["x-symbol"], &strength["x-unit"]),
+        (&json!("Y_b"), &json!("Pa"))
+    );
+    assert_eq!(beam["presets"].as_array().expect("presets").len(), 5);
+    assert_eq!(fresh.get("/api/v1/models").await.json()["total"], 2);
+    assert_eq!(fresh.get("/api/v1/models/drum").await.status, 404);
 }
 
 #[tokio::test]

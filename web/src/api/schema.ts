@@ -510,7 +510,7 @@ export interface components {
             result_hash?: string | null;
             /** @description Scalars by name. */
             results: {
-                [key: string]: number | null;
+                [key: string]: components["schemas"]["Scalar"];
             };
             /** @description Where it stands. */
             state: components["schemas"]["JobState"];
@@ -540,7 +540,11 @@ export interface components {
             job: string;
             /** @description Where and how it was computed. */
             provenance: components["schemas"]["Provenance"];
-            /** @description The hash of results, artifacts, warnings and steps, as [`granary_core::stage::Outcome::hash`] makes it. */
+            /** @description Why a scalar is `null`, in one word, by the scalar's name. */
+            reasons?: {
+                [key: string]: string;
+            };
+            /** @description The hash of results, reasons, artifacts, warnings and steps, as [`granary_core::stage::Outcome::hash`] makes it. */
             result_hash: string;
             /** @description Scalars by name. */
             results: {
@@ -707,9 +711,9 @@ export interface components {
                 progress?: components["schemas"]["Progress"] | null;
                 /** @description Hash of the outcome. */
                 result_hash?: string | null;
-                /** @description Scalars by name; empty until it is done. */
+                /** @description Scalars by name, and beside one that is `null` the word why, as `{name}_reason`; empty until it is done. */
                 results: {
-                    [key: string]: number | null;
+                    [key: string]: components["schemas"]["Scalar"];
                 };
                 /** @description Where its job stands. */
                 state: components["schemas"]["JobState"];
@@ -761,6 +765,8 @@ export interface components {
                  * @description Its number, from 0, in the order of the reductions.
                  */
                 set: number;
+                /** @description How much of Eq. (4) a fit's strengths determine: `exponential`, `step`, `straight`, `constant` or `too_few_points`. */
+                shape?: string | null;
             }[];
             /** @description What `cursor` asks for the rows after these; none at the end. */
             next?: string | null;
@@ -909,9 +915,9 @@ export interface components {
             progress?: components["schemas"]["Progress"] | null;
             /** @description Hash of the outcome. */
             result_hash?: string | null;
-            /** @description Scalars by name; empty until it is done. */
+            /** @description Scalars by name, and beside one that is `null` the word why, as `{name}_reason`; empty until it is done. */
             results: {
-                [key: string]: number | null;
+                [key: string]: components["schemas"]["Scalar"];
             };
             /** @description Where its job stands. */
             state: components["schemas"]["JobState"];
@@ -1019,6 +1025,8 @@ export interface components {
             /** @description The jobs handed back, with their progress. */
             jobs: components["schemas"]["JobProgress"][];
         };
+        /** @description One result. */
+        Scalar: number | string | null;
         /** @description One row of a reduction: points, or other sets, taken together. */
         SetRow: {
             /**
@@ -1054,6 +1062,8 @@ export interface components {
              * @description Its number, from 0, in the order of the reductions.
              */
             set: number;
+            /** @description How much of Eq. (4) a fit's strengths determine: `exponential`, `step`, `straight`, `constant` or `too_few_points`. */
+            shape?: string | null;
         };
         /** @description The answer to `POST …/cancel`, `/pause`, `/resume` and `/retry`. */
         Steered: {

@@ -120,7 +120,8 @@ function Row({ row, axes, results }: { row: PointRow; axes: string[]; results: Q
   );
 }
 
-function Cell({ value, scale }: { value: number | null | undefined; scale: number }) {
+function Cell({ value, scale }: { value: PointRow["results"][string] | undefined; scale: number }) {
+  if (typeof value === "string") return <td>{value}</td>;
   if (typeof value !== "number") return <td class="number quiet">–</td>;
   return <td class="number" title={String(value)}>{number(value * scale, 4)}</td>;
 }

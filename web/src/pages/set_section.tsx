@@ -44,7 +44,9 @@ export function SetSection({ sets, model }: { sets: Page<SetRow>; model: Model |
 function Table({ rows, model }: { rows: SetRow[]; model: Model | undefined }) {
   const parameters = [...new Set(rows.flatMap((row) => Object.keys(row.parameters)))];
   const names = [...new Set(rows.flatMap((row) => Object.keys(row.results)))];
-  const means = names.filter((name) => !name.endsWith("_sem"));
+  // An error stands beside its number.
+  const means = names.filter((name) => !name.endsWith("_sem") && !name.endsWith("_error"));
+  const fits = rows.some((row) => row.shape);
   const results = inOrder(model, means).map((name) => resultQuantity(model, name));
   return (
     <div class="scroller" tabIndex={0} role="region" aria-labelledby="sets">
@@ -54,7 +56,7 @@ function Table({ rows, model }: { rows: SetRow[]; model: Model | undefined }) {
             {parameters.map((name) => (
               <Heading key={name} quantity={parameterQuantity(model, name)} />
             ))}
-            <th scope="col">Processing</th>
+            <th scope="col">{fits ? "Shape" : "Processing"}</th>
             {results.map((quantity) => (
               <Heading key={quantity.name} quantity={quantity} />
             ))}
@@ -68,7 +70,7 @@ function Table({ rows, model }: { rows: SetRow[]; model: Model | undefined }) {
               {parameters.map((name) => (
                 <td key={name} class="number">{parameter(row.parameters[name])}</td>
               ))}
-              <td>{row.processing}</td>
+              <td>{row.processing ?? row.shape}</td>
               {results.map((quantity) => (
                 <Cell key={quantity.name} row={row} quantity={quantity} />
               ))}
@@ -89,7 +91,7 @@ function Cell({ row, quantity }: { row: SetRow; quantity: Quantity }) {
   const { name, scale } = quantity;
   const value = row.results[name];
   if (typeof value !== "number") return <td class="number quiet" title={row.missing_reason ?? ""}>–</td>;
-  const error = row.results[`${name}_sem`];
+  const error = row.results[`${name}_sem`] ?? row.results[`${name}_error`];
   const shown = typeof error === "number" ? withError(value * scale, error * scale) : number(value * scale, 4);
   return (
     <td class="number" data-result={name} title={String(value)}>

@@ -2,23 +2,28 @@
 
 use super::*;
 use crate::beam::parameters::parameter;
-use crate::stage::StageSpec;
+use crate::identity::canonical_json;
 
 fn point(preset: &str) -> BeamPoint {
     BeamPoint::from_parameters(BeamPoint::defaults(preset).expect("preset"))
         .expect("valid defaults")
 }
 
+/// What the identity of a stage is made of, without its kind.
+fn id(spec: &impl Serialize) -> StageId {
+    StageId::of_bytes(canonical_json(spec).as_bytes())
+}
+
 fn grow_id(point: &BeamPoint) -> StageId {
-    StageSpec::Grow(point.grow()).id()
+    id(&point.grow())
 }
 
 fn jam_id(point: &BeamPoint) -> StageId {
-    StageSpec::Jam(point.jam(grow_id(point))).id()
+    id(&point.jam(grow_id(point)))
 }
 
 fn bend_id(point: &BeamPoint) -> StageId {
-    StageSpec::Bend(point.bend(jam_id(point))).id()
+    id(&point.bend(jam_id(point)))
 }
 
 #[test]
