@@ -13,5 +13,7 @@ pub mod strength;
 
 pub mod exponential_fit;
 
+pub mod structure;
+
 #[cfg(test)]
 pub(crate) mod noise;
