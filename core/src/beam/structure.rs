@@ -16,6 +16,13 @@ pub mod membrane;
 pub mod coordination;
 pub mod force_network;
 
+pub mod bond_order;
+pub mod pair_correlation;
+
+pub mod autocorrelation;
+pub mod non_affine;
+mod symmetric;
+
 mod polyhedron;
 pub mod voronoi;
 
@@ -109,6 +116,14 @@ pub enum SnapshotError {
         from: usize,
         /// The other.
         to: usize,
+    },
+    /// Two snapshots of different grains.
+    #[error("{before} grains before but {after} after: both must be of the same")]
+    Grains {
+        /// In the first snapshot.
+        before: usize,
+        /// In the second.
+        after: usize,
     },
     /// A membrane around nothing.
     #[error("the membrane encloses no volume")]

@@ -1,5 +1,6 @@
 //! How much of a convex cell lies inside the membrane.
 
+use crate::beam::structure::cells::bounds;
 use crate::beam::structure::membrane::Membrane;
 use crate::beam::structure::polyhedron::Polyhedron;
 use crate::math::plain::{add, cross, dot, norm, scale, sub};
@@ -28,9 +29,7 @@ impl<'a> Clipper<'a> {
 
     /// Volume of the part of `cell` inside the membrane; the cell's coordinates are relative to `center`.
     pub(super) fn volume_inside(&mut self, cell: &Polyhedron, center: [f64; 3]) -> f64 {
-        let Some([low, high]) =
-            crate::beam::structure::cells::bounds(cell.points().iter().copied())
-        else {
+        let Some([low, high]) = bounds(cell.points()) else {
             return 0.0;
         };
         self.collect(add(low, center), add(high, center), center);
@@ -61,9 +60,10 @@ impl<'a> Clipper<'a> {
 
     /// A point of the cell that is on no triangle: its middle, or else between there and a corner.
     fn point_of_view(&self, cell: &Polyhedron, size: f64) -> [f64; 3] {
-        let points = cell.points();
-        let sum = points.iter().fold([0.0; 3], |sum, &point| add(sum, point));
-        let middle = scale(sum, 1.0 / points.len() as f64);
+        let (sum, count) = cell.points().fold(([0.0; 3], 0.0), |(sum, count), point| {
+            (add(sum, point), count + 1.0)
+        });
+        let middle = scale(sum, 1.0 / count);
         let off_all = |view: &[f64; 3]| {
             self.triangles.iter().all(|&[a, b, c]| {
                 let normal = cross(sub(b, a), sub(c, a));
@@ -71,7 +71,7 @@ impl<'a> Clipper<'a> {
             })
         };
         // Thirds and halves of the way, for cells whose corners lie in one plane with the middle.
-        let others = points.iter().enumerate().map(|(k, &corner)| {
+        let others = cell.points().enumerate().map(|(k, corner)| {
             let share = if k % 2 == 0 { 0.3 } else { 0.45 };
             add(middle, scale(sub(corner, middle), share))
         });
@@ -91,7 +91,7 @@ impl<'a> Clipper<'a> {
         self.shadow
             .cut(scale(normal, -sign), -sign * dot(normal, a), 0);
         for (from, to) in [(a, b), (b, c), (c, a)] {
-            if self.shadow.points().is_empty() {
+            if self.shadow.is_empty() {
                 return 0.0;
             }
             // The same two corners give the neighbor exactly the opposite plane.
@@ -104,12 +104,6 @@ impl<'a> Clipper<'a> {
 
 /// Whether the box around the triangle and the box from `low` to `high` overlap.
 fn may_meet(corners: [[f64; 3]; 3], low: [f64; 3], high: [f64; 3]) -> bool {
-    (0..3).all(|k| {
-        let along = corners.map(|corner| corner[k]);
-        let (least, most) = (
-            along.iter().copied().fold(f64::INFINITY, f64::min),
-            along.iter().copied().fold(f64::NEG_INFINITY, f64::max),
-        );
-        least <= high[k] && most >= low[k]
-    })
+    let [least, most] = bounds(corners).expect("a triangle has corners");
+    (0..3).all(|k| least[k] <= high[k] && most[k] >= low[k])
 }

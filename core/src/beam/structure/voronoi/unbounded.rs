@@ -48,7 +48,7 @@ impl<'a> Cutter<'a> {
                     squared_reach = self.cell.squared_reach();
                 }
             }
-            if self.is_beyond(i, to, squared_reach.sqrt()) || self.cell.points().is_empty() {
+            if self.is_beyond(i, to, squared_reach.sqrt()) || self.cell.is_empty() {
                 return &self.cell;
             }
             (from, to) = (to, to + self.step);
