@@ -19,12 +19,19 @@ pub mod force_network;
 pub mod bond_order;
 pub mod pair_correlation;
 
+pub mod faces;
+
+pub mod displacement;
+pub mod neutral_plane;
+
 pub mod autocorrelation;
 pub mod non_affine;
 mod symmetric;
 
 mod polyhedron;
 pub mod voronoi;
+
+pub mod profile;
 
 #[cfg(test)]
 mod fixture;
