@@ -117,8 +117,8 @@ fn main() {
     });
     timed("changes, halves, height profile", total, || {
         let changes = voronoi::changes(&fractions[0], &fractions[1]);
-        faces.halves(&after, &changes);
-        profile::height_profile(&after, &faces, &strays.values, 5)
+        let profile = profile::height_profile(&after, &faces, &strays.values, 5);
+        (faces.halves(&after, &changes), profile)
     });
     println!(
         "{total:8.3} s  in all, of {} grains in {} triangles",

@@ -67,13 +67,15 @@ impl Polyhedron {
     ///
     /// The new face gets the `label`.
     pub(super) fn cut(&mut self, normal: [f64; 3], offset: f64, label: usize) -> bool {
-        self.heights.clear();
         let height = |point: [f64; 3]| dot(point, normal) - offset;
-        self.heights
-            .extend(self.edges.iter().map(|edge| edge.map(height)));
-        if self.heights.iter().all(|heights| heights[0] <= 0.0) {
+        // Most planes cut nothing, and each corner is the start of some edge.
+        let highest = self.points().map(height).fold(f64::NEG_INFINITY, f64::max);
+        if highest <= 0.0 || self.is_empty() {
             return false;
         }
+        self.heights.clear();
+        self.heights
+            .extend(self.edges.iter().map(|edge| edge.map(height)));
         self.next_edges.clear();
         self.next_faces.clear();
         self.rim.clear();
@@ -124,7 +126,7 @@ impl Polyhedron {
         let mut to = from;
         for at in from..self.next_edges.len() {
             let [start, end] = self.next_edges[at];
-            if start != end {
+            if start.map(f64::to_bits) != end.map(f64::to_bits) {
                 self.next_edges[to] = [start, end];
                 to += 1;
             }

@@ -1,6 +1,6 @@
 //! Eigenvalues and inverse of a symmetric 3 × 3 matrix.
 
-use crate::math::plain::dot;
+use crate::math::plain::{add, dot, scale, sub};
 
 /// Three rows.
 pub(super) type Matrix = [[f64; 3]; 3];
@@ -52,8 +52,8 @@ fn rotate(matrix: &mut Matrix, vectors: &mut Matrix, p: usize, q: usize) {
         return;
     }
     let ratio = (matrix[q][q] - matrix[p][p]) / (2.0 * beside);
-    let tangent = ratio.signum() / (ratio.abs() + libm::sqrt(ratio * ratio + 1.0));
-    let cosine = 1.0 / libm::sqrt(tangent * tangent + 1.0);
+    let tangent = ratio.signum() / (ratio.abs() + f64::sqrt(ratio * ratio + 1.0));
+    let cosine = 1.0 / f64::sqrt(tangent * tangent + 1.0);
     let sine = tangent * cosine;
     for row in matrix.iter_mut() {
         (row[p], row[q]) = (
@@ -62,11 +62,9 @@ fn rotate(matrix: &mut Matrix, vectors: &mut Matrix, p: usize, q: usize) {
         );
     }
     for rows in [matrix, vectors] {
-        for k in 0..3 {
-            let (of_p, of_q) = (rows[p][k], rows[q][k]);
-            rows[p][k] = cosine * of_p - sine * of_q;
-            rows[q][k] = sine * of_p + cosine * of_q;
-        }
+        let (of_p, of_q) = (rows[p], rows[q]);
+        rows[p] = sub(scale(of_p, cosine), scale(of_q, sine));
+        rows[q] = add(scale(of_p, sine), scale(of_q, cosine));
     }
 }
 

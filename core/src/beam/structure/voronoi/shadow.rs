@@ -67,7 +67,7 @@ impl<'a> Clipper<'a> {
         let off_all = |view: &[f64; 3]| {
             self.triangles.iter().all(|&[a, b, c]| {
                 let normal = cross(sub(b, a), sub(c, a));
-                dot(normal, sub(a, *view)).abs() > EDGE_ON * size * norm(normal)
+                dot(normal, sub(a, *view)).abs() >= EDGE_ON * size * norm(normal)
             })
         };
         // Thirds and halves of the way, for cells whose corners lie in one plane with the middle.

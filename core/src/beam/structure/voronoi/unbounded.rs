@@ -5,14 +5,14 @@ use crate::beam::structure::cells::PointGrid;
 use crate::beam::structure::polyhedron::Polyhedron;
 use crate::math::plain::dot;
 
-/// How far grains are collected at first, and by how much farther each time they do not suffice, in d_p.
-const STEP: f64 = 2.2;
+/// How far grains are collected at first, in d_p: twice as far each time they do not suffice.
+const NEAREST: f64 = 2.2;
 
 /// Cuts the cells of one packing.
 pub(super) struct Cutter<'a> {
     snapshot: &'a Snapshot<'a>,
     grid: PointGrid,
-    step: f64,
+    nearest: f64,
     largest_radius: f64,
     /// The square of the distance, number and branch of the grains around.
     around: Vec<(f64, usize, [f64; 3])>,
@@ -25,7 +25,7 @@ impl<'a> Cutter<'a> {
         Self {
             snapshot,
             grid: PointGrid::new(snapshot.positions, diameter),
-            step: STEP * diameter,
+            nearest: NEAREST * diameter,
             largest_radius: snapshot.radii.iter().copied().fold(0.0, f64::max),
             around: vec![],
             cell: Polyhedron::default(),
@@ -36,7 +36,7 @@ impl<'a> Cutter<'a> {
     pub(super) fn cell(&mut self, i: usize, reach: f64) -> &Polyhedron {
         self.cell.set_cube(reach);
         let mut squared_reach = self.cell.squared_reach();
-        let (mut from, mut to) = (0.0, self.step);
+        let (mut from, mut to) = (0.0, self.nearest);
         loop {
             self.collect(i, from, to);
             for at in 0..self.around.len() {
@@ -51,7 +51,7 @@ impl<'a> Cutter<'a> {
             if self.is_beyond(i, to, squared_reach.sqrt()) || self.cell.is_empty() {
                 return &self.cell;
             }
-            (from, to) = (to, to + self.step);
+            (from, to) = (to, 2.0 * to);
         }
     }
 
