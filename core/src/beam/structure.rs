@@ -108,6 +108,14 @@ pub enum SnapshotError {
         /// How many grains there are.
         grains: usize,
     },
+    /// A contact of the membrane with a grain that does not exist.
+    #[error("contact {contact} of the membrane is with none of the {grains} grains")]
+    MembraneContact {
+        /// The contact.
+        contact: usize,
+        /// How many grains there are.
+        grains: usize,
+    },
     /// A triangle with a vertex that does not exist.
     #[error("triangle {triangle} names a vertex beyond the {vertices} there are")]
     Vertex {
@@ -264,7 +272,7 @@ fn check_contacts(snapshot: &Snapshot<'_>) -> Result<(), SnapshotError> {
     let unknown = |&grain: &usize| grain >= grains;
     match snapshot.membrane_contacts.iter().position(unknown) {
         None => Ok(()),
-        Some(contact) => Err(SnapshotError::Contact { contact, grains }),
+        Some(contact) => Err(SnapshotError::MembraneContact { contact, grains }),
     }
 }
 
@@ -367,7 +375,13 @@ mod tests {
             refused(&|beam| beam.contacts.push(contact(1, 1, 1.0))),
             at(0)
         );
-        assert_eq!(refused(&|beam| beam.membrane_contacts.push(9)), at(0));
+        assert_eq!(
+            refused(&|beam| beam.membrane_contacts.push(9)),
+            SnapshotError::MembraneContact {
+                contact: 0,
+                grains: 8
+            }
+        );
         assert!(matches!(
             refused(&|beam| beam.contacts.push(contact(0, 1, f64::NAN))),
             SnapshotError::NotFinite { .. }

@@ -33,31 +33,17 @@ pub fn autocorrelation(
 ) -> Option<Autocorrelation> {
     let diameter = packing.mean_diameter()?;
     let known: Vec<f64> = values.iter().flatten().copied().collect();
-    let mean_value = mean(known.iter().copied())?;
     let mean_square = mean(known.iter().map(|value| value * value))?;
     let places = packing.snapshot().positions.iter().zip(values);
     let places: Vec<[f64; 3]> = places
         .filter_map(|(at, value)| value.map(|_| *at))
         .collect();
     let width = WINDOW * diameter;
-    let mut products = products(&places, &known, width, (farthest / WINDOW).round() as usize);
+    let last = (farthest / WINDOW).round() as usize;
+    let mut products = products(&places, &known, width, last);
     products[0] = Some(mean_square);
-    let distances: Vec<f64> = (0..products.len()).map(|k| width * k as f64).collect();
-    let variance = mean(
-        known
-            .iter()
-            .map(|value| (value - mean_value) * (value - mean_value)),
-    )?;
-    // Below this, D varies by no more than its rounding.
-    let varies = variance > 1e-24 * mean_square;
-    let connected: Vec<Option<f64>> = products
-        .iter()
-        .map(|product| {
-            product
-                .filter(|_| varies)
-                .map(|product| (product - mean_value * mean_value) / variance)
-        })
-        .collect();
+    let distances: Vec<f64> = (0..=last).map(|k| width * k as f64).collect();
+    let connected = connected(&products, &known)?;
     let printed = products
         .iter()
         .map(|product| Some((*product)? / (diameter * diameter)));
@@ -67,6 +53,22 @@ pub fn autocorrelation(
         distances,
         connected,
     })
+}
+
+/// What `products` of values are more than the square of their mean, relative to their variance.
+fn connected(products: &[Option<f64>], values: &[f64]) -> Option<Vec<Option<f64>>> {
+    let mean_value = mean(values.iter().copied())?;
+    let deviations = values.iter().map(|value| value - mean_value);
+    let variance = mean(deviations.map(|deviation| deviation * deviation))?;
+    // Below this, values vary by no more than their rounding.
+    let varies = variance > 1e-24 * mean_value * mean_value;
+    let excess = |product: f64| (product - mean_value * mean_value) / variance;
+    let products = products.iter();
+    Some(
+        products
+            .map(|product| product.filter(|_| varies).map(excess))
+            .collect(),
+    )
 }
 
 /// ⟨(1/M_i) Σ_j D_i D_j⟩ over the grains that have others in r ± Δr, for r = k Δr up to k = `last`.

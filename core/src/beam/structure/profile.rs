@@ -5,10 +5,20 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use super::faces::Faces;
-use super::{Packing, mean, ratio};
+use super::{AllAndBulk, Packing, mean, ratio};
 
 /// Width of the intervals of σ \[Pa\] that curves are averaged over.
 pub const STRESS_BIN: f64 = 25e3;
+
+/// The mean of what is known of each grain, of D_min or Δφ for two, over all grains and over the bulk.
+#[must_use]
+pub fn means(packing: &Packing<'_>, values: &[Option<f64>]) -> AllAndBulk<Option<f64>> {
+    let bulk = values.iter().zip(packing.bulk());
+    AllAndBulk {
+        all: mean(values.iter().flatten().copied()),
+        bulk: mean(bulk.filter_map(|(value, &bulk)| value.filter(|_| bulk))),
+    }
+}
 
 /// One bin of a profile over the height.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -116,6 +126,17 @@ mod tests {
         // Of fewer bins the outer layers are left out, but not of the mean.
         let narrow = height_profile(&packing, &faces, &values, 1);
         assert!((narrow[2].value.expect("grains") - 1.2).abs() < 1e-12);
+    }
+
+    #[test]
+    fn means_are_of_what_is_known() {
+        // The middle one of 5³ grains is 2.5 from the membrane, all others at most 1.5.
+        let beam = Beam::cubic_lattice([5; 3], 1.0);
+        let mut values = vec![None; 125];
+        (values[0], values[62]) = (Some(1.0), Some(3.0));
+        let found = means(&beam.packing(), &values);
+        assert_eq!((found.all, found.bulk), (Some(2.0), Some(3.0)));
+        assert_eq!(means(&beam.packing(), &[None; 125]), AllAndBulk::default());
     }
 
     #[test]

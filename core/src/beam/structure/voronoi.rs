@@ -8,7 +8,7 @@
 //! The cells so divide the membrane's volume without a gap: their sum is its volume to rounding.
 
 use super::membrane::Membrane;
-use super::{AllAndBulk, Packing, ball_volume, mean};
+use super::{Packing, ball_volume};
 
 mod shadow;
 mod unbounded;
@@ -27,25 +27,31 @@ const ROUNDING: f64 = 1e-9;
 /// Of grains with the same center only the largest has a cell, or the first of equals.
 #[must_use]
 pub fn cell_volumes(packing: &Packing<'_>) -> Vec<f64> {
-    let mut volumes = vec![0.0; packing.snapshot().positions.len()];
+    let positions = packing.snapshot().positions;
+    let mut volumes = vec![0.0; positions.len()];
     let Some(diameter) = packing.mean_diameter() else {
         return volumes;
     };
-    let largest = extent(packing.membrane(), packing.snapshot().positions);
+    let largest = extent(packing.membrane(), positions);
     let mut reach = FIRST_REACH * diameter;
     let mut cutter = Cutter::new(packing.snapshot(), diameter);
     let mut clipper = Clipper::new(packing.membrane());
-    let mut open: Vec<usize> = (0..volumes.len()).collect();
+    let mut bounded = vec![false; volumes.len()];
+    let mut next: Vec<usize> = (0..volumes.len()).collect();
     loop {
-        open.retain(|&i| {
+        next.retain(|&i| {
             let cell = cutter.cell(i, reach);
-            volumes[i] = clipper.volume_inside(cell, packing.snapshot().positions[i]);
-            cell.has_outer_face()
+            volumes[i] = clipper.volume_inside(cell, positions[i]);
+            bounded[i] = !cell.has_outer_face();
+            !bounded[i] && clipper.is_inside_at_cube(cell, reach, positions[i])
         });
         let missing = packing.membrane().volume() - volumes.iter().sum::<f64>();
-        let complete = missing.abs() <= ROUNDING * packing.membrane().volume();
-        if complete || open.is_empty() || reach > largest {
+        if missing.abs() <= ROUNDING * packing.membrane().volume() || reach > largest {
             return volumes;
+        }
+        // What no cell reaches from inside belongs to a grain that stands outside or beyond a fold.
+        if next.is_empty() {
+            next = (0..volumes.len()).filter(|&i| !bounded[i]).collect();
         }
         reach *= 2.0;
     }
@@ -82,16 +88,6 @@ pub fn changes(before: &[Option<f64>], after: &[Option<f64>]) -> Vec<Option<f64>
     pairs
         .map(|(before, after)| Some((*after)? - (*before)?))
         .collect()
-}
-
-/// The mean of what is known, over all grains and over the bulk.
-#[must_use]
-pub fn means(packing: &Packing<'_>, values: &[Option<f64>]) -> AllAndBulk<Option<f64>> {
-    let bulk = values.iter().zip(packing.bulk());
-    AllAndBulk {
-        all: mean(values.iter().flatten().copied()),
-        bulk: mean(bulk.filter_map(|(value, &bulk)| value.filter(|_| bulk))),
-    }
 }
 
 #[cfg(test)]

@@ -8,6 +8,9 @@ use crate::math::plain::{add, cross, dot, norm, scale, sub};
 /// A point of view this near to a triangle's plane, relative to the cell, sees it edge-on or stands on it.
 const EDGE_ON: f64 = 1e-9;
 
+/// Thickness of the slices along the faces of a cube, relative to half its side.
+const SLICE: f64 = 1e-3;
+
 /// Clips cells by one membrane.
 pub(super) struct Clipper<'a> {
     membrane: &'a Membrane<'a>,
@@ -15,6 +18,7 @@ pub(super) struct Clipper<'a> {
     /// Triangles near the cell, relative to the grain.
     triangles: Vec<[[f64; 3]; 3]>,
     shadow: Polyhedron,
+    slice: Polyhedron,
 }
 
 impl<'a> Clipper<'a> {
@@ -24,7 +28,27 @@ impl<'a> Clipper<'a> {
             near: vec![],
             triangles: vec![],
             shadow: Polyhedron::default(),
+            slice: Polyhedron::default(),
         }
+    }
+
+    /// Whether a cell that was cut from the cube of half side `half` goes on beyond it inside the membrane.
+    pub(super) fn is_inside_at_cube(
+        &mut self,
+        cell: &Polyhedron,
+        half: f64,
+        center: [f64; 3],
+    ) -> bool {
+        let mut slice = std::mem::take(&mut self.slice);
+        let found = (0..6).any(|side| {
+            let mut inward = [0.0; 3];
+            inward[side / 2] = if side % 2 == 0 { 1.0 } else { -1.0 };
+            slice.set(cell);
+            slice.cut(inward, -half * (1.0 - SLICE), 0);
+            self.volume_inside(&slice, center) > EDGE_ON * SLICE * half * half * half
+        });
+        self.slice = slice;
+        found
     }
 
     /// Volume of the part of `cell` inside the membrane; the cell's coordinates are relative to `center`.
