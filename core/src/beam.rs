@@ -31,5 +31,7 @@ pub mod strength;
 
 pub mod exponential_fit;
 
+pub mod structure;
+
 #[cfg(test)]
 pub(crate) mod noise;
