@@ -28,8 +28,8 @@ struct Header {
     course: Course,
     step: u64,
     rest: Rest,
-    /// Position and velocity of the six walls.
-    walls: Vec<[f64; 2]>,
+    /// Position, velocity and last load of the six walls.
+    walls: Vec<[f64; 3]>,
 }
 
 /// Compacts the grown grains of `input`, or goes on from a checkpoint.
@@ -70,8 +70,8 @@ fn compacted<T: Friction>(
         Some(bytes) => {
             let saved = Snapshot::<Header>::from_bytes(bytes)?;
             let header = &saved.header;
-            for (wall, &[position, velocity]) in walls.iter_mut().zip(&header.walls) {
-                (wall.position, wall.velocity) = (position, velocity);
+            for (wall, &[position, velocity, force]) in walls.iter_mut().zip(&header.walls) {
+                (wall.position, wall.velocity, wall.force) = (position, velocity, force);
             }
             (rig.restored::<T, _>(&saved)?, header.course, header.rest)
         }
@@ -104,7 +104,7 @@ fn compacted<T: Friction>(
                 rest: saved_rest,
                 walls: planes
                     .iter()
-                    .map(|wall| [wall.position, wall.velocity])
+                    .map(|wall| [wall.position, wall.velocity, wall.force])
                     .collect(),
             };
             Snapshot::of(&run.beam, header).to_bytes()

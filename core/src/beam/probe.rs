@@ -53,7 +53,7 @@ pub(super) fn contacts<T: Friction>(beam: &Beam<T>) -> Vec<GrainContact> {
 /// 2/ω_max \[s\]: the longest step that is stable, were there no damping, by the sums of stiffness on each body.
 ///
 /// Of a grain ω² = (2/m) Σ (k_n + 2 k_t)/3 + (2·(2/3)·2.5/m) Σ k_t; of a vertex what springs allow, and 2 Σ k/m of its
-/// contacts.
+/// contacts with grains, planes and rods.
 pub(super) fn critical_time_step<T: Friction>(beam: &Beam<T>, contacts: &[GrainContact]) -> f64 {
     let casing = &beam.surroundings;
     let mut of_grains = vec![[0.0; 2]; beam.grains.len()];
@@ -76,6 +76,21 @@ pub(super) fn critical_time_step<T: Friction>(beam: &Beam<T>, contacts: &[GrainC
         for &vertex in &casing.membrane.mesh().triangles()[held.triangle as usize] {
             of_vertices[vertex as usize] += along;
         }
+    }
+    let press = &casing.press;
+    for (sum, &place) in of_vertices
+        .iter_mut()
+        .zip(casing.membrane.mesh().positions())
+    {
+        let planes = press
+            .planes
+            .iter()
+            .map(|plane| plane.overlap(&press.ball, place));
+        let rods = press.rods.iter().map(|rod| rod.overlap(&press.ball, place));
+        *sum += planes
+            .chain(rods)
+            .map(|overlap| press.ball.stiffness(overlap))
+            .sum::<f64>();
     }
     let grain = |(sums, size): (&[f64; 2], &crate::grains::Size)| {
         let [along, across] = *sums;

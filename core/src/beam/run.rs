@@ -9,7 +9,7 @@ use crate::outcome::{Progress, StageFailure};
 /// Steps between two reports, and between two looks for what is not a number.
 const REPORT_EVERY: u64 = 100;
 /// Steps between two looks at contacts: overlaps, the critical step, grains outside.
-pub(super) const LOOK_EVERY: u64 = 1000;
+pub(super) const LOOK_EVERY: u64 = 200;
 
 /// A beam under way.
 pub(super) struct Run<T: Friction> {

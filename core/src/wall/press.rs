@@ -17,6 +17,12 @@ pub struct VertexBall {
 }
 
 impl VertexBall {
+    /// The tangent stiffness at an overlap \[N/m\]; zero if there is none.
+    #[must_use]
+    pub fn stiffness(&self, overlap: f64) -> f64 {
+        1.5 * self.material.normal_stiffness * (self.radius * overlap.max(0.0)).sqrt()
+    }
+
     /// The force at an overlap that grows at `rate` \[N\].
     fn push(&self, overlap: f64, rate: f64) -> f64 {
         let [overlap, rate, stiffness, damping, root] = [
@@ -47,6 +53,12 @@ pub struct Plane {
 }
 
 impl Plane {
+    /// How deep the ball of a vertex at `position` is in it; negative if it does not touch.
+    #[must_use]
+    pub fn overlap(&self, ball: &VertexBall, position: [f64; 3]) -> f64 {
+        ball.radius - self.inward * (position[self.axis] - self.position)
+    }
+
     /// Pushes all vertices that it touches.
     pub fn press(
         &mut self,
@@ -55,8 +67,8 @@ impl Plane {
         forces: &mut [[f64; 3]],
     ) {
         self.force = 0.0;
-        for (v, position) in positions.iter().enumerate() {
-            let overlap = ball.radius - self.inward * (position[self.axis] - self.position);
+        for (v, &position) in positions.iter().enumerate() {
+            let overlap = self.overlap(ball, position);
             if overlap > 0.0 {
                 let rate = self.inward * (self.velocity - velocities[v][self.axis]);
                 let push = ball.push(overlap, rate);
@@ -81,6 +93,13 @@ pub struct Rod {
 }
 
 impl Rod {
+    /// How deep the ball of a vertex at `position` is in it; negative if it does not touch.
+    #[must_use]
+    pub fn overlap(&self, ball: &VertexBall, [x, _, z]: [f64; 3]) -> f64 {
+        let [dx, dz] = [x - self.position[0], z - self.position[1]];
+        self.radius + ball.radius - (dx * dx + dz * dz).sqrt()
+    }
+
     /// Pushes all vertices that it touches.
     pub fn press(
         &mut self,

@@ -110,7 +110,9 @@ impl Drive {
             return Ok(());
         }
         self.over = strain >= self.strain_end;
-        let most = 2.0 * (rod_travel(&self.mold, self.strain_end) + self.gap());
+        // The rods also press themselves into the top of the beam.
+        let most =
+            2.0 * (rod_travel(&self.mold, self.strain_end) + self.gap()) + 0.1 * self.mold.height;
         if !self.over && row.travel > most {
             return Err(Stop {
                 kind: "run_too_short",

@@ -355,3 +355,21 @@ fn smooth_grains_in_a_casing_can_spin_but_keep_no_history() {
     const { assert!(<Encased<Frictionless, ()> as Physics>::SPINS) }
     assert_eq!(crate::scene::history_components::<Frictionless>(), 0);
 }
+
+#[test]
+fn fold_beside_a_grain_does_not_push_it_from_outside() {
+    // The sheet is folded up by 150° along x = 0: to a grain on one flank, close to the fold, the other shows its outside.
+    let mesh = patch(150f64.to_radians());
+    let tilt = 75f64.to_radians();
+    let along = [libm::cos(tilt), 0.0, libm::sin(tilt)];
+    let inward = [-libm::sin(tilt), 0.0, libm::cos(tilt)];
+    for distance in [0.5, 1.0, 2.0] {
+        let foot = plain::scale(along, distance * RADIUS);
+        // On the right flank's inner side the center is beyond the left flank.
+        let center = plain::add(foot, plain::scale(inward, 0.9 * RADIUS));
+        let finder = find(&mesh, center, RADIUS);
+        for touch in &finder.touches {
+            assert!(touch.overlap <= RADIUS, "{distance}: {touch:?}");
+        }
+    }
+}

@@ -6,7 +6,8 @@
 //!    grain, and two faces of a shallow valley are one place. The overlap is the deepest; normal and lever are those of the
 //!    overlaps' mean, so that force and torque are continuous as the grain moves from one face to the next.
 //! 3. The sheet has an inside. A grain whose center has crossed it is pushed back, but only if it touched there before:
-//!    a fold of the sheet beyond a neighboring grain shows its outside too.
+//!    a fold of the sheet beyond a neighboring grain shows its outside too, and so does one next to the grain, whose other
+//!    side shows its inside.
 
 use super::foot::{Foot, Part, at, foot};
 use crate::math::plain;
@@ -87,12 +88,33 @@ impl Finder {
         self.touches.clear();
         self.shares.clear();
         self.ends.clear();
+        self.drop_outsides(sheet.mesh, ball.radius);
         if self.reaches.is_empty() {
             return;
         }
         self.keep_minima(sheet.mesh);
         self.group(sheet.mesh);
         self.merge(sheet.mesh, ball);
+    }
+
+    /// Drops every triangle that shows its outside while a neighbor of it shows its inside: the sheet is folded there.
+    fn drop_outsides(&mut self, mesh: &Mesh, radius: f64) {
+        if self.reaches.iter().all(|reach| reach.overlap <= radius) {
+            return;
+        }
+        let inside: Vec<u32> = self
+            .reaches
+            .iter()
+            .filter(|reach| reach.overlap <= radius)
+            .map(|reach| reach.triangle)
+            .collect();
+        let folded = |t: u32| {
+            inside
+                .iter()
+                .any(|other| mesh.around(t).binary_search(other).is_ok())
+        };
+        self.reaches
+            .retain(|reach| reach.overlap <= radius || !folded(reach.triangle));
     }
 
     /// Drops every foot that is no local minimum; if rounding leaves none, the deepest stays.
