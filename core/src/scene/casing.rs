@@ -18,7 +18,7 @@ use crate::math::{Vec3, plain};
 use crate::membrane::Membrane;
 use crate::wall::press::{Plane, Rod, VertexBall};
 use near::Near;
-use touch::{Ball, Finder, Share, Sheet};
+use touch::{Ball, Face, Finder, Share, Sheet, faces};
 
 /// Lanes.
 const WIDE: usize = 8;
@@ -93,7 +93,7 @@ pub struct Casing {
     near: Near,
     /// Where the vertices were at the last renewal.
     built: Vec<[f64; 3]>,
-    normals: Vec<[f64; 3]>,
+    faces: Vec<Face>,
     finder: Finder,
     pending: Vec<Pending>,
     shares: Vec<Share>,
@@ -126,8 +126,8 @@ impl Casing {
     fn find(&mut self, grains: &Grains<F64x1>) {
         self.pending.clear();
         self.shares.clear();
-        self.normals.clear();
-        self.normals.extend(self.membrane.mesh().normals());
+        self.faces.clear();
+        self.faces.extend(faces(self.membrane.mesh()));
         let mut old = 0;
         for i in 0..self.near.grains() {
             let first = old;
@@ -151,7 +151,7 @@ impl Casing {
             };
             let sheet = Sheet {
                 mesh,
-                normals: &self.normals,
+                faces: &self.faces,
             };
             self.finder.find(&sheet, &ball, near);
             let mut taken = 0u64;

@@ -59,10 +59,10 @@ fn patch(fold: f64) -> Mesh {
 }
 
 fn find(mesh: &Mesh, center: [f64; 3], radius: f64) -> Finder {
-    let normals: Vec<[f64; 3]> = mesh.normals().collect();
+    let faces: Vec<Face> = faces(mesh).collect();
     let sheet = Sheet {
         mesh,
-        normals: &normals,
+        faces: &faces,
     };
     let ball = Ball {
         center,
@@ -327,10 +327,10 @@ fn grain_that_has_crossed_is_pushed_back_and_one_behind_the_sheet_is_not_touched
     // Center 0.1 R below the sheet: only a grain that touched before is held back.
     for (touched, overlap) in [(true, Some(1.1 * RADIUS)), (false, None)] {
         let mesh = patch(0.0);
-        let normals: Vec<[f64; 3]> = mesh.normals().collect();
+        let faces: Vec<Face> = faces(&mesh).collect();
         let sheet = Sheet {
             mesh: &mesh,
-            normals: &normals,
+            faces: &faces,
         };
         let ball = Ball {
             center: [1e-4, 3e-4, -0.1 * RADIUS],

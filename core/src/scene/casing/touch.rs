@@ -21,6 +21,8 @@ const ALIKE: f64 = 0.866_025_403_784_438_6;
 struct Reach {
     triangle: u32,
     part: Part,
+    /// Where it lies unless on the face, and how many triangles meet there.
+    meeting: Option<(Place, usize)>,
     weights: [f64; 3],
     /// From the membrane into the grain.
     normal: [f64; 3],
@@ -53,8 +55,24 @@ pub(super) struct Touch {
 /// The membrane as it is in one step.
 pub(super) struct Sheet<'a> {
     pub(super) mesh: &'a Mesh,
-    /// Outward unit normals of all triangles.
-    pub(super) normals: &'a [[f64; 3]],
+    /// All triangles as they are in this step.
+    pub(super) faces: &'a [Face],
+}
+
+/// A triangle where it is now, side by side with what is asked of it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Face {
+    corners: [[f64; 3]; 3],
+    /// Unit normal.
+    outward: [f64; 3],
+}
+
+/// All triangles of `mesh` as they are now.
+pub(super) fn faces(mesh: &Mesh) -> impl Iterator<Item = Face> + '_ {
+    let corners = (0..mesh.triangles().len() as u32).map(|t| mesh.corners(t));
+    corners
+        .zip(mesh.normals())
+        .map(|(corners, outward)| Face { corners, outward })
 }
 
 /// A grain, and where it touched in the last step.
@@ -92,7 +110,7 @@ impl Finder {
         if self.reaches.is_empty() {
             return;
         }
-        self.keep_minima(sheet.mesh);
+        self.keep_minima();
         self.group(sheet.mesh);
         self.merge(sheet.mesh, ball);
     }
@@ -118,12 +136,12 @@ impl Finder {
     }
 
     /// Drops every foot that is no local minimum; if rounding leaves none, the deepest stays.
-    fn keep_minima(&mut self, mesh: &Mesh) {
+    fn keep_minima(&mut self) {
         let kept = |reach: &Reach| {
-            let Some((place, triangles)) = meeting(mesh, reach) else {
+            let Some((place, triangles)) = reach.meeting else {
                 return true;
             };
-            let same = |other: &&Reach| meeting(mesh, other).is_some_and(|(at, _)| at == place);
+            let same = |other: &&Reach| other.meeting.is_some_and(|(at, _)| at == place);
             let mut others = self.reaches.iter().filter(same);
             let first = others.next().map(|other| other.triangle);
             first == Some(reach.triangle) && 1 + others.count() == triangles
@@ -227,9 +245,8 @@ enum Place {
 }
 
 /// The edge or vertex that a foot is on, and how many triangles meet there; none for a face.
-fn meeting(mesh: &Mesh, reach: &Reach) -> Option<(Place, usize)> {
-    let t = reach.triangle;
-    match reach.part {
+fn meeting(mesh: &Mesh, t: u32, part: Part) -> Option<(Place, usize)> {
+    match part {
         Part::Face => None,
         Part::Side(s) => {
             let triangles = 1 + usize::from(mesh.over_sides(t)[s].is_some());
@@ -244,8 +261,7 @@ fn meeting(mesh: &Mesh, reach: &Reach) -> Option<(Place, usize)> {
 
 /// Where the ball reaches triangle `t`, if it does.
 fn reach(sheet: &Sheet<'_>, ball: &Ball<'_>, t: u32) -> Option<Reach> {
-    let outward = sheet.normals[t as usize];
-    let corners = sheet.mesh.corners(t);
+    let Face { corners, outward } = sheet.faces[t as usize];
     let height = -plain::dot(plain::sub(ball.center, corners[0]), outward);
     if height.abs() >= ball.radius {
         return None;
@@ -274,6 +290,7 @@ fn reach(sheet: &Sheet<'_>, ball: &Ball<'_>, t: u32) -> Option<Reach> {
     reaches.then_some(Reach {
         triangle: t,
         part,
+        meeting: meeting(sheet.mesh, t, part),
         weights,
         normal,
         overlap: ball.radius - depth,
@@ -283,7 +300,7 @@ fn reach(sheet: &Sheet<'_>, ball: &Ball<'_>, t: u32) -> Option<Reach> {
 
 /// The sum of the outward normals of the triangles that meet at a side or corner.
 fn mean_outward(sheet: &Sheet<'_>, t: u32, part: Part) -> [f64; 3] {
-    let normal = |t: u32| sheet.normals[t as usize];
+    let normal = |t: u32| sheet.faces[t as usize].outward;
     match part {
         Part::Face => normal(t),
         Part::Side(s) => match sheet.mesh.over_sides(t)[s] {
