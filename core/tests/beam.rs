@@ -117,6 +117,15 @@ fn a_stage_refuses_the_state_of_another_beam() {
         matches!(found, Err(StageFailure::Input { .. })),
         "{found:?}"
     );
+    // Nor does it go on from the checkpoint of another.
+    let [first, second] =
+        [1, 2].map(|seed| stages(&tiny(&json!({"packing_seed": seed})))[0].clone());
+    let saved = interrupt(&first, &[], 100);
+    let found = finish(&second, (&[], Some(&saved)), VectorWidth::widest());
+    assert!(
+        matches!(found, Err(StageFailure::Input { .. })),
+        "{found:?}"
+    );
 }
 
 fn stop(changes: &Value) -> (String, String) {
@@ -137,6 +146,8 @@ fn a_run_that_leaves_the_physics_stops_with_its_reason() {
     let (kind, remedy) = stop(&json!({"overlap_limit": 0.01, "overlap_warning": 0.005}));
     assert_eq!(kind, "overlap_limit");
     assert!(remedy.contains("overlap_limit"));
+    let (kind, _) = stop(&json!({"preparation_time_step_fraction": 1.1}));
+    assert_eq!(kind, "unstable");
     let (kind, _) = stop(&json!({"longest_rest": 1e-3}));
     assert_eq!(kind, "not_at_rest");
 }

@@ -114,7 +114,10 @@ fn bent<T: Friction>(
         places,
     };
     let (mut run, mut phase) = match checkpoint {
-        Some(bytes) => bench.resumed::<T>(&rig, &Snapshot::from_bytes(bytes)?, &state)?,
+        Some(bytes) => {
+            let saved = Snapshot::<Header>::of_stage(bytes, stage, |header| &header.stage)?;
+            bench.resumed::<T>(&rig, &saved, &state)?
+        }
         None => bench.begun::<T>(&rig, &state)?,
     };
     loop {

@@ -49,7 +49,7 @@ pub(crate) fn run(
     };
     let (snapshot, course) = match checkpoint {
         Some(bytes) => {
-            let saved = Snapshot::<Header>::from_bytes(bytes)?;
+            let saved = Snapshot::<Header>::of_stage(bytes, stage, |header| &header.stage)?;
             let course = saved.header.course;
             (saved, course)
         }

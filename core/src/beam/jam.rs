@@ -68,7 +68,7 @@ fn compacted<T: Friction>(
     let mut walls = mold(sides.map(|side| 0.5 * side + spec.vertex_radius));
     let (mut beam, course, mut rest) = match checkpoint {
         Some(bytes) => {
-            let saved = Snapshot::<Header>::from_bytes(bytes)?;
+            let saved = Snapshot::<Header>::of_stage(bytes, stage, |header| &header.stage)?;
             let header = &saved.header;
             for (wall, &[position, velocity, force]) in walls.iter_mut().zip(&header.walls) {
                 (wall.position, wall.velocity, wall.force) = (position, velocity, force);

@@ -148,6 +148,15 @@ impl<T: Friction> Run<T> {
         self.contacts = probe::contacts(&self.beam);
         let critical = probe::critical_time_step(&self.beam, &self.contacts);
         self.critical = self.critical.min(critical);
+        if self.fraction >= 1.0 {
+            let detail = format!(
+                "a time step of {} of the critical one, {critical:.2e} s, is not stable",
+                self.fraction
+            );
+            let remedy =
+                "use a time_step_fraction and preparation_time_step_fraction of at most 0.4";
+            return Err(self.failed("unstable", detail, remedy));
+        }
         self.beam.laws.time_step = (self.fraction * critical).min(self.longest_step);
         let grains = &self.beam.grains;
         let (mut most, mut pair) = (0.0f64, (0, 0));

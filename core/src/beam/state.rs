@@ -108,6 +108,21 @@ impl<H: Serialize + DeserializeOwned> Snapshot<H> {
         Self::read(bytes).map_err(|detail| unreadable(&detail))
     }
 
+    /// Reads a checkpoint of `stage`, and of no other.
+    pub(crate) fn of_stage(
+        bytes: &[u8],
+        stage: &str,
+        named: impl Fn(&H) -> &String,
+    ) -> Result<Self, StageFailure> {
+        let saved = Self::from_bytes(bytes)?;
+        let found = named(&saved.header);
+        if found == stage {
+            return Ok(saved);
+        }
+        let detail = format!("the checkpoint belongs to {found}, not to {stage}");
+        Err(StageFailure::Input { detail })
+    }
+
     fn read(bytes: &[u8]) -> Result<Self, String> {
         let (header, mut reader) = Reader::new(bytes)?;
         let (poses, motions) = reader.grains()?;
