@@ -124,6 +124,9 @@ pub trait Lane:
     /// Where `self < other`; nowhere that either is NaN.
     fn lt(self, other: Self) -> Self::Mask;
 
+    /// Where `self <= other`; nowhere that either is NaN.
+    fn le(self, other: Self) -> Self::Mask;
+
     /// `self` where `mask`, else `other`.
     #[must_use]
     fn select(self, mask: Self::Mask, other: Self) -> Self;

@@ -73,6 +73,17 @@ impl<R: Row> Vec3<R> {
 }
 
 impl<L: Lane> Vec3<L> {
+    /// The first three numbers of one record for each lane.
+    #[inline(always)]
+    #[must_use]
+    pub fn gathered<'a>(record: impl Fn(usize) -> &'a [L::Scalar; 4]) -> Self
+    where
+        L::Scalar: 'a,
+    {
+        let [x, y, z, _] = L::gather(record);
+        Self { x, y, z }
+    }
+
     /// Zero in every replica.
     #[inline(always)]
     #[must_use]

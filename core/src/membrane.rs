@@ -26,6 +26,7 @@ pub use mesh::{Mesh, MeshError};
 pub use pressure::add_pressure;
 pub use spring::Springs;
 
+use crate::lanes::{F64x8, Lane};
 use crate::math::plain;
 use hinge::Hinges;
 
@@ -104,7 +105,7 @@ impl Sheet {
 
 /// A sheet in motion.
 ///
-/// A step is [`clear_forces`](Self::clear_forces), everything that adds to the forces, [`advance`](Self::advance).
+/// A step is [`begin_step`](Self::begin_step), everything that adds to the forces, [`advance`](Self::advance).
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct Membrane {
     mesh: Mesh,
@@ -116,6 +117,8 @@ pub struct Membrane {
     mobilities: Vec<[f64; 3]>,
     velocities: Vec<[f64; 3]>,
     forces: Vec<[f64; 3]>,
+    /// Every vertex as its [`record`] in the running step.
+    vertices: Vec<F64x8>,
 }
 
 impl Membrane {
@@ -130,6 +133,7 @@ impl Membrane {
             mobilities: masses.iter().map(|mass| [1.0 / mass; 3]).collect(),
             velocities: vec![[0.0; 3]; masses.len()],
             forces: vec![[0.0; 3]; masses.len()],
+            vertices: vec![],
             masses,
             mesh,
         })
@@ -231,23 +235,35 @@ impl Membrane {
         sum
     }
 
-    /// Begins a step: no forces.
-    pub fn clear_forces(&mut self) {
+    /// Begins a step: no forces, and vertices where they are now.
+    pub fn begin_step(&mut self) {
         self.forces.fill([0.0; 3]);
+        self.vertices.clear();
+        let state = self.mesh.positions().iter().zip(&self.velocities);
+        self.vertices.extend(state.map(|(&x, &v)| record(x, v)));
+    }
+
+    /// The vertices as they were when the step began.
+    #[must_use]
+    pub fn vertices(&self) -> &[F64x8] {
+        &self.vertices
     }
 
     /// Adds the forces of springs, then of hinges.
-    pub fn add_internal_forces(&mut self) {
+    #[inline(always)]
+    pub fn add_internal_forces<W: Lane<Row = F64x8, Scalar = f64>>(&mut self) {
         let (ends, places) = (self.mesh.edges(), self.mesh.positions());
         self.springs
-            .add_forces(ends, places, &self.velocities, &mut self.forces);
+            .add_forces::<W>(ends, &self.vertices, &mut self.forces);
         self.hinges
             .add_forces(places, &self.velocities, &mut self.forces);
     }
 
     /// Adds a `pressure` from outside \[Pa\]; negative if from inside.
-    pub fn add_pressure(&mut self, pressure: f64) {
-        add_pressure(&self.mesh, pressure, &mut self.forces);
+    #[inline(always)]
+    pub fn add_pressure<W: Lane<Row = F64x8, Scalar = f64>>(&mut self, pressure: f64) {
+        let triangles = self.mesh.triangles();
+        add_pressure::<W>(triangles, &self.vertices, pressure, &mut self.forces);
     }
 
     /// Kicks all vertices by `time_step` \[s\], lets them drift, and returns the largest speed \[m/s\].
@@ -295,6 +311,12 @@ impl Membrane {
         };
         findings(&self.mesh, rest, normals_before)
     }
+}
+
+/// A vertex in one line of the cache: where it is and how it moves, a spare number beside each.
+#[must_use]
+pub fn record([x, y, z]: [f64; 3], [u, v, w]: [f64; 3]) -> F64x8 {
+    F64x8([x, y, z, 0.0, u, v, w, 0.0])
 }
 
 /// ρ t A/3 of every triangle, on each of its corners \[kg\].

@@ -204,7 +204,7 @@ impl<R: Replicas, P: Physics> Scene<R, P> {
             live,
         );
         if renewed {
-            surroundings.renew(grains, self.laws.skin);
+            surroundings.renew(grains, self.laws.skin, self.laws.width);
         }
     }
 
@@ -216,7 +216,8 @@ impl<R: Replicas, P: Physics> Scene<R, P> {
         };
         self.contacts
             .renew(&self.grains, &self.walls, self.laws.body.reach(), live);
-        self.surroundings.renew(&self.grains, self.laws.skin);
+        let (skin, width) = (self.laws.skin, self.laws.width);
+        self.surroundings.renew(&self.grains, skin, width);
     }
 
     /// Gives every grain a new size; only where grains are graded.

@@ -164,6 +164,11 @@ macro_rules! avx2 {
             }
 
             #[inline(always)]
+            fn le(self, other: Self) -> Self::Mask {
+                Wide(std::array::from_fn(|n| unsafe { $cmp::<_CMP_LE_OQ>(self.0[n], other.0[n]) }))
+            }
+
+            #[inline(always)]
             fn select(self, mask: Self::Mask, other: Self) -> Self {
                 Self(std::array::from_fn(|n| unsafe { $blend(other.0[n], self.0[n], mask.0[n]) }))
             }

@@ -145,6 +145,11 @@ macro_rules! avx512 {
             }
 
             #[inline(always)]
+            fn le(self, other: Self) -> Self::Mask {
+                unsafe { Bits($cmp::<_CMP_LE_OQ>(self.0, other.0)) }
+            }
+
+            #[inline(always)]
             fn select(self, mask: Self::Mask, other: Self) -> Self {
                 unsafe { Self($blend(mask.0, other.0, self.0)) }
             }

@@ -129,6 +129,11 @@ macro_rules! portable {
             }
 
             #[inline(always)]
+            fn le(self, other: Self) -> Flags<$k> {
+                Flags(std::array::from_fn(|k| self.0[k] <= other.0[k]))
+            }
+
+            #[inline(always)]
             fn select(self, mask: Flags<$k>, other: Self) -> Self {
                 Self(std::array::from_fn(|k| if mask.0[k] { self.0[k] } else { other.0[k] }))
             }
@@ -177,4 +182,14 @@ portable! {
 portable! {
     /// Sixteen replicas in single precision.
     F32x16, f32, 16, 64, super::avx2::F32x16, super::avx512::F32x16
+}
+
+impl F64x8 {
+    /// The first four numbers and the last four, as records of their own.
+    #[inline(always)]
+    #[must_use]
+    pub fn halves(&self) -> [&[f64; 4]; 2] {
+        let (halves, _) = self.0.as_chunks();
+        [&halves[0], &halves[1]]
+    }
 }

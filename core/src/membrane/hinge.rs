@@ -158,6 +158,7 @@ fn turn(angle: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::lanes::F64x8;
     use crate::membrane::shapes::{SHEET, cases, icosphere, strip};
     use crate::membrane::{Cuboid, Membrane, Sheet};
     use proptest::prelude::*;
@@ -241,7 +242,8 @@ mod tests {
                 }
             };
             moved(membrane.positions_mut(), shifts, 1e-3);
-            membrane.add_internal_forces();
+            membrane.begin_step();
+            membrane.add_internal_forces::<F64x8>();
             let work: f64 = membrane.forces().as_flattened().iter().zip(steps).map(|(f, s)| f * s).sum();
             let h = 1e-8;
             moved(membrane.positions_mut(), steps, h);

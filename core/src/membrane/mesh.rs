@@ -152,10 +152,11 @@ impl Mesh {
         self.topology.fans.of(vertex)
     }
 
-    /// The other triangles that share a corner or a side with triangle `t`, ascending.
+    /// Whether two triangles are one, or share a corner.
     #[must_use]
-    pub fn around(&self, t: u32) -> &[u32] {
-        self.topology.around.of(t)
+    pub fn are_neighbors(&self, a: u32, b: u32) -> bool {
+        let (a, b) = (self.triangles[a as usize], self.triangles[b as usize]);
+        a.iter().any(|vertex| b.contains(vertex))
     }
 
     /// χ = vertices − edges + triangles: 2 for a sphere, 1 for a disk, 0 for a tube.

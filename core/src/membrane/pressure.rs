@@ -1,22 +1,32 @@
 //! The pressure that confines a sheet: a load that follows the triangles.
 
-use super::mesh::Mesh;
-use crate::math::plain;
+use crate::lanes::{F64x8, Lane};
+use crate::math::{Vec3, plain};
 
 /// Adds −p A n̂/3 \[N\] of every triangle, in their order, to each of its corners; positive pressure pushes inward.
 ///
 /// On a closed mesh this is −p ∂V/∂x, so the forces sum to zero, and to zero torque, and do the work −p dV.
-pub fn add_pressure(mesh: &Mesh, pressure: f64, forces: &mut [[f64; 3]]) {
-    let (sixth, places) = (-pressure / 6.0, mesh.positions());
-    for &corners in mesh.triangles() {
-        let [i, j, k] = corners.map(|vertex| vertex as usize);
-        let (b, c) = (
-            plain::sub(places[j], places[i]),
-            plain::sub(places[k], places[i]),
-        );
-        let share = plain::scale(plain::cross(b, c), sixth);
-        for vertex in [i, j, k] {
-            forces[vertex] = plain::add(forces[vertex], share);
+#[inline(always)]
+pub fn add_pressure<W: Lane<Row = F64x8, Scalar = f64>>(
+    triangles: &[[u32; 3]],
+    vertices: &[F64x8],
+    pressure: f64,
+    forces: &mut [[f64; 3]],
+) {
+    let sixth = W::constant(-pressure / 6.0);
+    let last = triangles.len().saturating_sub(1);
+    for first in (0..triangles.len()).step_by(W::K) {
+        let corner = |e: usize, k: usize| triangles[(first + e).min(last)][k] as usize;
+        let [a, b, c]: [Vec3<W>; 3] =
+            [0, 1, 2].map(|k| Vec3::gathered(|e| vertices[corner(e, k)].halves()[0]));
+        let mut shares = Vec3::default();
+        (b - a).cross(c - a).scale(sixth).store(&mut shares);
+        for (e, &corners) in triangles[first..].iter().take(W::K).enumerate() {
+            let share = shares.lane(e);
+            for vertex in corners {
+                let force = &mut forces[vertex as usize];
+                *force = plain::add(*force, share);
+            }
         }
     }
 }
@@ -25,6 +35,7 @@ pub fn add_pressure(mesh: &Mesh, pressure: f64, forces: &mut [[f64; 3]]) {
 mod tests {
     use super::*;
     use crate::membrane::shapes::{cases, icosphere};
+    use crate::membrane::{Mesh, record};
     use proptest::prelude::*;
 
     /// Δp \[Pa\].
@@ -42,7 +53,9 @@ mod tests {
 
     fn forces(mesh: &Mesh) -> Vec<[f64; 3]> {
         let mut forces = vec![[0.0; 3]; mesh.positions().len()];
-        add_pressure(mesh, PRESSURE, &mut forces);
+        let still = |&place: &[f64; 3]| record(place, [0.0; 3]);
+        let vertices: Vec<F64x8> = mesh.positions().iter().map(still).collect();
+        add_pressure::<F64x8>(mesh.triangles(), &vertices, PRESSURE, &mut forces);
         forces
     }
 

@@ -7,6 +7,7 @@ use proptest::test_runner::{Config, RngSeed};
 
 use super::mesh::{Mesh, unit};
 use super::{Membrane, Sheet};
+use crate::lanes::F64x8;
 use crate::math::plain;
 
 /// The same cases of a property at every run: what fails here fails everywhere.
@@ -157,8 +158,8 @@ pub(super) fn relax(
 ) {
     let time_step = 0.8 * membrane.critical_time_step();
     for _ in 0..200_000 {
-        membrane.clear_forces();
-        membrane.add_internal_forces();
+        membrane.begin_step();
+        membrane.add_internal_forces::<F64x8>();
         load(membrane);
         if largest_free_force(membrane) < tolerance {
             return;

@@ -7,7 +7,8 @@
 
 use super::Sheet;
 use super::mesh::Mesh;
-use crate::math::plain;
+use crate::lanes::{F64x8, Lane};
+use crate::math::{Vec3, plain};
 
 /// One spring and one damper for every edge.
 #[derive(Clone, Debug, PartialEq, Default)]
@@ -78,24 +79,35 @@ impl Springs {
     /// Adds F₁ = [k (ℓ − ℓ₀) + c (v₂ − v₁)·u] u and F₂ = −F₁ of every edge, in the order of the edges.
     ///
     /// u is the unit vector from the first end to the second; zero if they coincide.
-    pub fn add_forces(
+    #[inline(always)]
+    pub fn add_forces<W: Lane<Row = F64x8, Scalar = f64>>(
         &self,
         ends: &[[u32; 2]],
-        positions: &[[f64; 3]],
-        velocities: &[[f64; 3]],
+        vertices: &[F64x8],
         forces: &mut [[f64; 3]],
     ) {
-        for (e, &[i, j]) in ends.iter().enumerate() {
-            let (i, j) = (i as usize, j as usize);
-            let along = plain::sub(positions[j], positions[i]);
-            let length = plain::norm(along);
-            let inverse = if length > 0.0 { 1.0 / length } else { 0.0 };
-            let closing = plain::dot(plain::sub(velocities[j], velocities[i]), along) * inverse;
-            let tension =
-                self.stiffness[e] * (length - self.rest_lengths[e]) + self.damping[e] * closing;
-            let pull = plain::scale(along, tension * inverse);
-            forces[i] = plain::add(forces[i], pull);
-            forces[j] = plain::sub(forces[j], pull);
+        let last = ends.len().saturating_sub(1);
+        for first in (0..ends.len()).step_by(W::K) {
+            let nth = |e: usize| (first + e).min(last);
+            let number = |of: &[f64]| W::load(&F64x8(std::array::from_fn(|e| of[nth(e)])));
+            let record = |e: usize, end: usize| vertices[ends[nth(e)][end] as usize].halves();
+            let part = |end: usize, half: usize| Vec3::gathered(|e| record(e, end)[half]);
+            let along: Vec3<W> = part(1, 0) - part(0, 0);
+            // Not fused, as rest lengths are not: a sheet at rest pulls nowhere.
+            let square = along.x * along.x + along.y * along.y + along.z * along.z;
+            let length = square.sqrt();
+            let inverse = (W::constant(1.0) / length).keep(W::constant(0.0).lt(length));
+            let closing = (part(1, 1) - part(0, 1)).dot(along) * inverse;
+            let stretch = length - number(&self.rest_lengths);
+            let tension = number(&self.stiffness) * stretch + number(&self.damping) * closing;
+            let mut pulls = Vec3::default();
+            along.scale(tension * inverse).store(&mut pulls);
+            for (e, &[i, j]) in ends[first..].iter().take(W::K).enumerate() {
+                let pull = pulls.lane(e);
+                let (i, j) = (i as usize, j as usize);
+                forces[i] = plain::add(forces[i], pull);
+                forces[j] = plain::sub(forces[j], pull);
+            }
         }
     }
 
@@ -120,8 +132,8 @@ impl Springs {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::membrane::Membrane;
     use crate::membrane::shapes::{SHEET, strip};
+    use crate::membrane::{Membrane, record};
 
     #[test]
     fn lattice_of_equilateral_triangles_has_the_springs_of_the_paper() {
@@ -159,7 +171,10 @@ mod tests {
         let (mut gap, mut peaks) = (vec![1e-3], vec![]);
         while peaks.len() < 3 {
             let mut forces = [[0.0; 3]; 2];
-            springs.add_forces(&[[0, 1]], &positions, &velocities, &mut forces);
+            let vertices: Vec<F64x8> = (0..2)
+                .map(|i| record(positions[i], velocities[i]))
+                .collect();
+            springs.add_forces::<F64x8>(&[[0, 1]], &vertices, &mut forces);
             for i in 0..2 {
                 let kick = plain::scale(forces[i], time_step / masses[i]);
                 velocities[i] = plain::add(velocities[i], kick);

@@ -42,8 +42,6 @@ pub(super) struct Topology {
     pub(super) fans: Lists,
     /// The triangle over each side.
     pub(super) over_sides: Vec<[Option<u32>; 3]>,
-    /// The other triangles at any corner of a triangle.
-    pub(super) around: Lists,
 }
 
 /// One side of one triangle; the order of the fields sorts the sides of one edge together.
@@ -84,7 +82,6 @@ impl Topology {
         let fans = fans(triangles, vertices)?;
         Ok(Self {
             over_sides: over_sides(&sides, &edge_triangles),
-            around: around(triangles, &fans),
             edges,
             edge_triangles,
             sides,
@@ -134,19 +131,4 @@ fn over_sides(sides: &[[u32; 3]], edge_triangles: &[[Option<u32>; 2]]) -> Vec<[O
         .zip(sides)
         .map(|(t, edges)| edges.map(|edge| other(t, edge)))
         .collect()
-}
-
-fn around(triangles: &[[u32; 3]], fans: &Lists) -> Lists {
-    let of_triangle = |(t, corners): (u32, &[u32; 3])| {
-        let mut found: Vec<u32> = corners
-            .iter()
-            .flat_map(|&vertex| fans.of(vertex))
-            .copied()
-            .filter(|&other| other != t)
-            .collect();
-        found.sort_unstable();
-        found.dedup();
-        found
-    };
-    Lists::gather((0u32..).zip(triangles).map(of_triangle))
 }

@@ -3,25 +3,31 @@
 //! A grain touches a triangle as it would a flat grain: R_eff is its radius, and the opposite force is shared out to the
 //! triangle's corners by the barycentric coordinates of the contact point, where both velocities are taken too, so that
 //! momentum and angular momentum are kept.
+//!
+//! A step works on eight things at a time: springs, triangles, grains before triangles, contacts.
+//! What it adds to vertices and grains is added one by one, in order, so that sums do not depend on the vector width.
 
 mod foot;
 mod near;
+mod push;
+mod reach;
+mod sheet;
 mod touch;
 
 use super::surroundings::{OnGrains, Surroundings};
+use crate::contact::TangentialLaw;
 use crate::contact::mindlin::Mindlin;
-use crate::contact::{Contact, TangentialLaw, hertz};
 use crate::grains::Grains;
-use crate::lanes::{F64x1, F64x8, Lane, Row};
+use crate::lanes::{F64x1, F64x8, Kernel, Lane, Row, VectorWidth, dispatch};
 use crate::material::Material;
-use crate::math::{Vec3, plain};
-use crate::membrane::Membrane;
+use crate::math::plain;
+use crate::membrane::{Membrane, record};
 use crate::wall::press::{Plane, Rod, VertexBall};
 use near::Near;
-use touch::{Ball, Face, Finder, Share, Sheet, faces};
-
-/// Lanes.
-const WIDE: usize = 8;
+use push::Pending;
+use reach::Reach;
+use sheet::Sheet;
+use touch::{Ball, Finder, Touch};
 
 /// How grains and membrane touch.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -64,21 +70,6 @@ pub struct Held {
     pub overlap: f64,
 }
 
-/// One contact of the running step, until its force is known.
-#[derive(Clone, Copy, Debug)]
-struct Pending {
-    held: Held,
-    normal: [f64; 3],
-    lever: [f64; 3],
-    /// Velocity of the grain against the membrane at the contact point.
-    relative: [f64; 3],
-    radius: f64,
-    /// 1/m_grain + 1/m_triangle.
-    inverse_mass: f64,
-    /// Where its shares end.
-    shares_end: usize,
-}
-
 /// A membrane with grains inside.
 #[derive(Clone, Debug, Default)]
 pub struct Casing {
@@ -93,10 +84,12 @@ pub struct Casing {
     near: Near,
     /// Where the vertices were at the last renewal.
     built: Vec<[f64; 3]>,
-    faces: Vec<Face>,
+    sheet: Sheet,
+    reaches: Vec<Reach>,
     finder: Finder,
     pending: Vec<Pending>,
-    shares: Vec<Share>,
+    /// Force and torque of every contact on its grain.
+    pushes: Vec<F64x8>,
 }
 
 impl Casing {
@@ -122,128 +115,128 @@ impl Casing {
         self.held = held;
     }
 
-    /// Finds where every grain touches the membrane.
-    fn find(&mut self, grains: &Grains<F64x1>) {
-        self.pending.clear();
-        self.shares.clear();
-        self.faces.clear();
-        self.faces.extend(faces(self.membrane.mesh()));
-        let mut old = 0;
-        for i in 0..self.near.grains() {
-            let first = old;
-            while self.held.get(old).is_some_and(|h| h.grain as usize == i) {
-                old += 1;
-            }
-            let near = self.near.of(i);
-            if near.is_empty() {
-                continue;
-            }
-            let mesh = self.membrane.mesh();
-            let held = &self.held[first..old];
-            let near_held = |t: u32| {
-                held.iter()
-                    .any(|h| is_neighbor(&self.membrane, h.triangle, t))
-            };
-            let ball = Ball {
-                center: grains.pose(i, 0).position,
-                radius: grains.radius(i),
-                touched: &near_held,
-            };
-            let sheet = Sheet {
-                mesh,
-                faces: &self.faces,
-            };
-            self.finder.find(&sheet, &ball, near);
-            let mut taken = 0u64;
-            for k in 0..self.finder.touches.len() {
-                let held = &self.held[first..old];
-                let spring = carried_over(&self.membrane, held, &self.finder, k, &mut taken);
-                self.note(grains, i, k, spring);
-            }
-        }
-    }
-
-    /// Notes contact `k` of grain `i`, as the finder left it.
-    fn note(&mut self, grains: &Grains<F64x1>, i: usize, k: usize, spring: [f64; 3]) {
-        let touch = self.finder.touches[k];
-        let first = if k == 0 { 0 } else { self.finder.ends[k - 1] };
-        let shares = &self.finder.shares[first..self.finder.ends[k]];
-        let motion = grains.motion(i, 0);
-        let velocities = self.membrane.velocities();
-        let of_sheet = shares.iter().fold([0.0; 3], |sum, share| {
-            plain::add(
-                sum,
-                plain::scale(velocities[share.vertex as usize], share.weight),
-            )
-        });
-        let surface = plain::add(motion.velocity, plain::cross(motion.spin, touch.lever));
-        let area = self.membrane.rest_areas()[touch.triangle as usize];
-        let size = grains.sizes()[i];
-        self.shares.extend_from_slice(shares);
-        self.pending.push(Pending {
-            held: Held {
-                grain: i as u32,
-                triangle: touch.triangle,
-                spring,
-                normal_force: 0.0,
-                tangential_force: 0.0,
-                overlap: touch.overlap,
-            },
-            normal: touch.normal,
-            lever: touch.lever,
-            relative: plain::sub(surface, of_sheet),
-            radius: size.radius,
-            inverse_mass: size.inverse_mass + 1.0 / (self.grip.areal_density * area),
-            shares_end: self.shares.len(),
-        });
-    }
-
-    /// Finds the forces of all contacts, eight at a time, and adds them in order.
+    /// Lets everything but grains act on the membrane.
     #[inline(always)]
-    fn push<W: Lane<Row = F64x8, Scalar = f64>>(&mut self, time_step: f64, on: &mut OnGrains<'_>) {
-        let constants = self.grip.tangential.constants::<W>();
+    fn press_membrane<W: Lane<Row = F64x8, Scalar = f64>>(&mut self) {
+        self.membrane.begin_step();
+        self.membrane.add_internal_forces::<W>();
+        self.membrane.add_pressure::<W>(self.press.pressure);
+        let (state, forces) = self.membrane.acting();
+        let Press {
+            planes, rods, ball, ..
+        } = &mut self.press;
+        for plane in planes {
+            plane.press(ball, state, forces);
+        }
+        for rod in rods {
+            rod.press(ball, state, forces);
+        }
+    }
+
+    /// Finds where every grain touches the membrane.
+    #[inline(always)]
+    fn find<W: Lane<Row = F64x8, Scalar = f64>>(&mut self, grains: &Grains<F64x1>) {
+        let mesh = self.membrane.mesh();
+        self.sheet.note_grains(grains);
+        self.sheet
+            .note_triangles::<W>(mesh.triangles(), self.membrane.vertices());
+        reach::find::<W>(&self.sheet, self.near.pairs(), &mut self.reaches);
+        self.finder.clear();
+        let mut held = self.held.as_slice();
+        for reaches in self.reaches.chunk_by(|a, b| a.pair[0] == b.pair[0]) {
+            let grain = reaches[0].pair[0];
+            let of_grain = held_of(&mut held, grain);
+            let touched = |t: u32| of_grain.iter().any(|h| mesh.are_neighbors(h.triangle, t));
+            let ball = Ball {
+                grain,
+                radius: self.sheet.balls[grain as usize][3],
+                touched: &touched,
+            };
+            self.finder.add(mesh, &self.sheet, &ball, reaches);
+        }
+    }
+
+    /// Takes the springs of the last step over to the contacts of this one, and notes how these move.
+    #[inline(always)]
+    fn carry_over(&mut self, grains: &Grains<F64x1>) {
+        self.pending.clear();
+        let mut held = self.held.as_slice();
+        let mut shares = self.finder.shares.as_slice();
         let mut shares_from = 0;
-        for eight in self.pending.chunks_mut(WIDE) {
-            let forces = forces::<W>(&self.grip.material, &constants, time_step, eight);
-            for (pending, force) in eight.iter().zip(forces) {
-                let grain = pending.held.grain as usize;
-                on.add(grain, force, plain::cross(pending.lever, force));
-                let onto = self.membrane.forces_mut();
-                for share in &self.shares[shares_from..pending.shares_end] {
-                    let vertex = share.vertex as usize;
-                    onto[vertex] = plain::sub(onto[vertex], plain::scale(force, share.weight));
-                }
-                shares_from = pending.shares_end;
+        for touches in self.finder.touches.chunk_by(|a, b| a.grain == b.grain) {
+            let of_grain = held_of(&mut held, touches[0].grain);
+            let mut taken = 0u64;
+            for (k, touch) in touches.iter().enumerate() {
+                let spring = carried_over(&self.membrane, of_grain, (touches, k), &mut taken);
+                let own = shares
+                    .split_off(..touch.shares_end - shares_from)
+                    .unwrap_or_default();
+                shares_from = touch.shares_end;
+                let area = self.membrane.rest_areas()[touch.triangle as usize];
+                let mass = self.grip.areal_density * area;
+                let pending = Pending::new(touch, own, (grains, &self.membrane), spring, mass);
+                self.pending.push(pending);
             }
         }
+    }
+
+    /// Finds the forces of all contacts, eight at a time, and adds them to the vertices in order.
+    #[inline(always)]
+    fn push<W: Lane<Row = F64x8, Scalar = f64>>(&mut self, time_step: f64) {
+        let constants = self.grip.tangential.constants::<W>();
         self.held.clear();
-        self.held.extend(self.pending.iter().map(|p| p.held));
+        self.pushes.clear();
+        for eight in self.pending.chunks(W::K) {
+            let acting = push::forces::<W>(&self.grip.material, &constants, time_step, eight);
+            self.held.extend(acting.held(eight));
+            self.pushes.extend(&acting.pushes[..eight.len()]);
+        }
+        let forces = self.membrane.forces_mut();
+        let mut shares_from = 0;
+        for (touch, push) in self.finder.touches.iter().zip(&self.pushes) {
+            let [x, y, z, ..] = push.0;
+            for share in &self.finder.shares[shares_from..touch.shares_end] {
+                let force = &mut forces[share.vertex as usize];
+                *force = plain::sub(*force, plain::scale([x, y, z], share.weight));
+            }
+            shares_from = touch.shares_end;
+        }
     }
 }
 
-/// Whether two triangles are one or share a corner.
-fn is_neighbor(membrane: &Membrane, a: u32, b: u32) -> bool {
-    a == b || membrane.mesh().around(a).binary_search(&b).is_ok()
+/// The contacts of `grain` in the last step; `held` goes on behind them.
+#[inline(always)]
+fn held_of<'a>(held: &mut &'a [Held], grain: u32) -> &'a [Held] {
+    let before = held.iter().take_while(|h| h.grain < grain).count();
+    let own = held[before..]
+        .iter()
+        .take_while(|h| h.grain == grain)
+        .count();
+    let (_, from) = held.split_at(before);
+    let (own, after) = from.split_at(own);
+    *held = after;
+    own
 }
 
-/// The spring of the old contact that became contact `k`: one at its triangle, or else at a neighbor of it.
+/// The spring of the old contact that became touch `k` of a grain: one at its triangle, or else at a neighbor of it.
+#[inline(always)]
 fn carried_over(
     membrane: &Membrane,
     held: &[Held],
-    finder: &Finder,
-    k: usize,
+    (touches, k): (&[Touch], usize),
     taken: &mut u64,
 ) -> [f64; 3] {
-    let triangle = finder.touches[k].triangle;
+    let triangle = touches[k].triangle;
     let free = |n: &usize| *taken >> (n % 64) & 1 == 0;
     let exact = (0..held.len()).find(|n| free(n) && held[*n].triangle == triangle);
     let belongs_elsewhere = |n: &usize| {
-        let mut others = finder.touches.iter().enumerate();
+        let mut others = touches.iter().enumerate();
         others.any(|(other, touch)| other != k && touch.triangle == held[*n].triangle)
     };
+    let mesh = membrane.mesh();
     let beside = || {
         (0..held.len()).find(|n| {
-            free(n) && !belongs_elsewhere(n) && is_neighbor(membrane, held[*n].triangle, triangle)
+            free(n) && !belongs_elsewhere(n) && mesh.are_neighbors(held[*n].triangle, triangle)
         })
     };
     match exact.or_else(beside) {
@@ -255,78 +248,54 @@ fn carried_over(
     }
 }
 
-/// The forces on up to eight grains; notes them, and advances the springs.
-#[inline(always)]
-fn forces<W: Lane<Row = F64x8, Scalar = f64>>(
-    material: &Material,
-    constants: &<Mindlin as TangentialLaw>::Constants<W>,
+/// A step of a casing up to what it does to grains.
+struct Step<'a> {
+    casing: &'a mut Casing,
+    grains: &'a Grains<F64x1>,
     time_step: f64,
-    eight: &mut [Pending],
-) -> [[f64; 3]; WIDE] {
-    let last = eight.len() - 1;
-    let number = |of: &dyn Fn(&Pending) -> f64| -> W {
-        W::load(&F64x8(std::array::from_fn(|e| of(&eight[e.min(last)]))))
-    };
-    let vector = |of: fn(&Pending) -> [f64; 3]| -> Vec3<W> {
-        Vec3 {
-            x: number(&|p| of(p)[0]),
-            y: number(&|p| of(p)[1]),
-            z: number(&|p| of(p)[2]),
-        }
-    };
-    let (normal, relative) = (vector(|p| p.normal), vector(|p| p.relative));
-    let overlap = number(&|p| p.held.overlap);
-    let root_overlap = (number(&|p| p.radius) * overlap).sqrt();
-    let overlap_rate = -relative.dot(normal);
-    let normal_force = hertz::normal_force(
-        W::constant(material.normal_stiffness),
-        W::constant(material.normal_damping),
-        overlap,
-        root_overlap,
-        overlap_rate,
-    );
-    let contact = Contact {
-        normal,
-        sliding_velocity: normal.scale_add(overlap_rate, relative),
-        root_overlap,
-        reduced_mass: W::constant(1.0) / number(&|p| p.inverse_mass),
-        normal_force,
-        time_step: W::constant(time_step),
-    };
-    let spring = vector(|p| p.held.spring);
-    let mut history = [spring.x, spring.y, spring.z];
-    let tangential = Mindlin::force(constants, &contact, &mut history);
-    let force = normal.scale_add(normal_force, tangential);
-    let size = tangential.dot(tangential).sqrt();
-    let [x, y, z] = history;
-    let lanes = |v: Vec3<W>| [v.x, v.y, v.z].map(row);
-    let (springs, pushes) = (lanes(Vec3 { x, y, z }), lanes(force));
-    let (normal_forces, sizes) = (row(normal_force), row(size));
-    let mut found = [[0.0; 3]; WIDE];
-    for (e, pending) in eight.iter_mut().enumerate() {
-        pending.held.spring = [0, 1, 2].map(|axis: usize| springs[axis].0[e]);
-        pending.held.normal_force = normal_forces.0[e];
-        pending.held.tangential_force = sizes.0[e];
-        found[e] = [0, 1, 2].map(|axis: usize| pushes[axis].0[e]);
-    }
-    found
 }
 
-#[inline(always)]
-fn row<W: Lane<Row = F64x8>>(lanes: W) -> F64x8 {
-    let mut row = F64x8::default();
-    lanes.store(&mut row);
-    row
+impl Kernel<F64x8> for Step<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<W: Lane<Row = F64x8, Scalar = f64>>(self) {
+        self.casing.press_membrane::<W>();
+        self.casing.find::<W>(self.grains);
+        self.casing.carry_over(self.grains);
+        self.casing.push::<W>(self.time_step);
+    }
+}
+
+/// Notes the triangles between two steps.
+struct Note<'a> {
+    casing: &'a mut Casing,
+}
+
+impl Kernel<F64x8> for Note<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<W: Lane<Row = F64x8, Scalar = f64>>(self) {
+        let mesh = self.casing.membrane.mesh();
+        let still = |&place: &[f64; 3]| record(place, [0.0; 3]);
+        let vertices: Vec<F64x8> = mesh.positions().iter().map(still).collect();
+        self.casing
+            .sheet
+            .note_triangles::<W>(mesh.triangles(), &vertices);
+    }
 }
 
 impl Surroundings for Casing {
     const SPINS: bool = true;
 
-    fn renew<R: Row>(&mut self, grains: &Grains<R>, skin: f64) {
-        self.near.search(grains, self.membrane.mesh(), skin);
+    fn renew<R: Row>(&mut self, grains: &Grains<R>, skin: f64, width: VectorWidth) {
+        dispatch::<F64x8, _>(width, Note { casing: self });
+        self.sheet.note_grains(grains);
+        let mesh = self.membrane.mesh();
+        self.near.search(&self.sheet, mesh, skin, width);
         self.built.clear();
-        self.built
-            .extend_from_slice(self.membrane.mesh().positions());
+        self.built.extend_from_slice(mesh.positions());
     }
 
     fn moved(&self) -> f64 {
@@ -335,28 +304,20 @@ impl Surroundings for Casing {
         vertices.map(moved).fold(0.0, f64::max)
     }
 
+    fn act(&mut self, grains: &Grains<F64x1>, time_step: f64, width: VectorWidth) {
+        let step = Step {
+            casing: self,
+            grains,
+            time_step,
+        };
+        dispatch::<F64x8, _>(width, step);
+    }
+
     #[inline(always)]
-    fn act<W: Lane<Row = F64x8, Scalar = f64>>(
-        &mut self,
-        grains: &Grains<F64x1>,
-        time_step: f64,
-        on: &mut OnGrains<'_>,
-    ) {
-        self.membrane.clear_forces();
-        self.membrane.add_internal_forces();
-        self.membrane.add_pressure(self.press.pressure);
-        let (state, forces) = self.membrane.acting();
-        let Press {
-            planes, rods, ball, ..
-        } = &mut self.press;
-        for plane in planes {
-            plane.press(ball, state, forces);
+    fn push_grains(&self, on: &mut OnGrains<'_>) {
+        for (touch, push) in self.finder.touches.iter().zip(&self.pushes) {
+            on.add(touch.grain as usize, push);
         }
-        for rod in rods {
-            rod.press(ball, state, forces);
-        }
-        self.find(grains);
-        self.push::<W>(time_step, on);
     }
 
     fn advance(&mut self, time_step: f64) -> f64 {

@@ -16,7 +16,7 @@ use crate::wall::{MAX_LANES, WALLS, Walls};
 
 use eight::Eight;
 pub(super) use records::Records;
-use records::{Ball, halves, records};
+use records::{Ball, records};
 
 use super::contacts::{Candidate, Contacts};
 use super::interact::{Constants, branch, geometry, interact};
@@ -53,7 +53,8 @@ impl<P: Physics> Kernel<F64x8> for LoneStep<'_, P> {
         let motion = MotionConstants::<F64x1>::new(laws);
         push_of_walls::<P>(&motion, grains, contacts, walls, &mut work.loads);
         let mut on = OnGrains(&mut work.loads);
-        surroundings.act::<W>(grains, laws.time_step, &mut on);
+        surroundings.act(grains, laws.time_step, laws.width);
+        surroundings.push_grains(&mut on);
 
         let motion = MotionConstants::<W>::new(laws);
         let affine = AffineRate {
@@ -215,7 +216,7 @@ fn push_of_walls<P: Physics>(
             continue;
         }
         let at = RowGrain::<F64x1>::load::<P>(grains, i);
-        let [force, torque] = halves(sum).map(|&[x, y, z, _]| Vec3 {
+        let [force, torque] = sum.halves().map(|&[x, y, z, _]| Vec3 {
             x: F64x1([x]),
             y: F64x1([y]),
             z: F64x1([z]),

@@ -3,7 +3,7 @@
 use std::fmt::Debug;
 
 use crate::grains::Grains;
-use crate::lanes::{F64x1, F64x8, Lane, Row};
+use crate::lanes::{F64x1, F64x8, Row, VectorWidth};
 
 /// Something that touches grains and moves by itself; in lone runs only, unless it is nothing.
 pub trait Surroundings: Clone + Debug + Default + Send + Sync + 'static {
@@ -11,18 +11,16 @@ pub trait Surroundings: Clone + Debug + Default + Send + Sync + 'static {
     const SPINS: bool;
 
     /// Finds what each grain may touch before anything has moved by half of `skin`.
-    fn renew<R: Row>(&mut self, grains: &Grains<R>, skin: f64);
+    fn renew<R: Row>(&mut self, grains: &Grains<R>, skin: f64, width: VectorWidth);
 
     /// How far anything of it has moved since the last renewal.
     fn moved(&self) -> f64;
 
-    /// Pushes the grains, and is pushed by them, at the present positions.
-    fn act<W: Lane<Row = F64x8, Scalar = f64>>(
-        &mut self,
-        grains: &Grains<F64x1>,
-        time_step: f64,
-        on: &mut OnGrains<'_>,
-    );
+    /// Finds all forces at the present positions; only reads the grains.
+    fn act(&mut self, grains: &Grains<F64x1>, time_step: f64, width: VectorWidth);
+
+    /// Adds the forces just found on the grains, always in the same order.
+    fn push_grains(&self, on: &mut OnGrains<'_>);
 
     /// Takes a step; returns how far anything of it moved, not a number if anything is none.
     fn advance(&mut self, time_step: f64) -> f64;
@@ -31,20 +29,17 @@ pub trait Surroundings: Clone + Debug + Default + Send + Sync + 'static {
 impl Surroundings for () {
     const SPINS: bool = false;
 
-    fn renew<R: Row>(&mut self, _: &Grains<R>, _: f64) {}
+    fn renew<R: Row>(&mut self, _: &Grains<R>, _: f64, _: VectorWidth) {}
 
     fn moved(&self) -> f64 {
         0.0
     }
 
     #[inline(always)]
-    fn act<W: Lane<Row = F64x8, Scalar = f64>>(
-        &mut self,
-        _: &Grains<F64x1>,
-        _: f64,
-        _: &mut OnGrains<'_>,
-    ) {
-    }
+    fn act(&mut self, _: &Grains<F64x1>, _: f64, _: VectorWidth) {}
+
+    #[inline(always)]
+    fn push_grains(&self, _: &mut OnGrains<'_>) {}
 
     #[inline(always)]
     fn advance(&mut self, _: f64) -> f64 {
@@ -57,13 +52,12 @@ impl Surroundings for () {
 pub struct OnGrains<'a>(pub(super) &'a mut [F64x8]);
 
 impl OnGrains<'_> {
-    /// Adds a force and a torque on grain `i`.
+    /// Adds a force and a torque on grain `i`, a spare number beside each.
     #[inline(always)]
-    pub fn add(&mut self, i: usize, force: [f64; 3], torque: [f64; 3]) {
+    pub fn add(&mut self, i: usize, push: &F64x8) {
         let sum = &mut self.0[i].0;
-        for axis in 0..3 {
-            sum[axis] += force[axis];
-            sum[4 + axis] += torque[axis];
+        for (sum, part) in sum.iter_mut().zip(push.0) {
+            *sum += part;
         }
     }
 }

@@ -1,4 +1,5 @@
 use super::*;
+use crate::lanes::F64x8;
 use crate::membrane::shapes::{SHEET, strip, tube};
 use crate::membrane::{Bending, Cuboid, Sheet};
 
@@ -21,8 +22,8 @@ fn stiffness_times(membrane: &mut Membrane, x: &[f64], step: f64) -> Vec<f64> {
         for ((part, x), from) in places.iter_mut().zip(x).zip(start.as_flattened()) {
             *part = from + sign * step * x;
         }
-        membrane.clear_forces();
-        membrane.add_internal_forces();
+        membrane.begin_step();
+        membrane.add_internal_forces::<F64x8>();
         membrane.forces().as_flattened().to_vec()
     });
     membrane.positions_mut().copy_from_slice(&start);
@@ -127,8 +128,8 @@ fn energy_change(sheet: &Sheet, fraction: f64, steps: u32) -> (f64, f64) {
     let time_step = fraction * membrane.critical_time_step();
     let (mut first, mut last, mut most) = (None, 0.0, 0.0f64);
     for _ in 0..steps {
-        membrane.clear_forces();
-        membrane.add_internal_forces();
+        membrane.begin_step();
+        membrane.add_internal_forces::<F64x8>();
         let stored = membrane.elastic_energy();
         let before = membrane.velocities().to_vec();
         membrane.advance(time_step);

@@ -1,6 +1,7 @@
 //! The foot of a grain's center on one triangle: the nearest point, and what of the triangle it lies on.
 
-use crate::math::plain;
+use crate::lanes::{Lane, Mask};
+use crate::math::Vec3;
 
 /// What of a triangle a foot lies on; corners and sides by their place in the triangle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -10,66 +11,125 @@ pub(super) enum Part {
     Corner(usize),
 }
 
-/// The point of a triangle that is nearest to another point.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Foot {
-    pub(super) part: Part,
+impl Part {
+    /// As a number that a lane can hold.
+    const fn code(self) -> f64 {
+        match self {
+            Self::Face => 0.0,
+            Self::Side(s) => 1.0 + s as f64,
+            Self::Corner(c) => 4.0 + c as f64,
+        }
+    }
+
+    /// The part of that code.
+    #[inline(always)]
+    pub(super) fn of(code: f64) -> Self {
+        match code as usize {
+            0 => Self::Face,
+            n @ 1..=3 => Self::Side(n - 1),
+            n => Self::Corner(n - 4),
+        }
+    }
+}
+
+/// The point of a triangle that is nearest to another point, in every lane.
+#[derive(Clone, Copy)]
+pub(super) struct Foot<L> {
+    /// The code of its [`Part`].
+    pub(super) part: L,
     /// Its barycentric coordinates: none below zero, their sum one.
-    pub(super) weights: [f64; 3],
+    pub(super) weights: [L; 3],
+}
+
+impl<L: Lane> Foot<L> {
+    /// Shares of the corners over their sum.
+    #[inline(always)]
+    fn new(part: Part, shares: [L; 3], sum: L) -> ([L; 3], [L; 2]) {
+        (shares, [sum, L::constant(part.code())])
+    }
+
+    /// The point with these barycentric coordinates.
+    #[inline(always)]
+    pub(super) fn on(&self, [a, b, c]: [Vec3<L>; 3]) -> Vec3<L> {
+        let [u, v, w] = self.weights;
+        c.scale_add(w, b.scale_add(v, a.scale(u)))
+    }
 }
 
 /// The foot of `point` on the triangle with corners a, b, c.
 ///
 /// Source: C. Ericson, Real-Time Collision Detection (2005), Sec. 5.1.5: the point is in the region of a corner, of a side
 /// or of the face; side s joins corner s to the next.
-pub(super) fn foot(point: [f64; 3], [a, b, c]: [[f64; 3]; 3]) -> Foot {
-    let (ab, ac) = (plain::sub(b, a), plain::sub(c, a));
-    let along = |corner: [f64; 3]| {
-        let to = plain::sub(point, corner);
-        [plain::dot(ab, to), plain::dot(ac, to)]
+/// Regions are tried from the last to the first, so that the first one counts.
+#[inline(always)]
+pub(super) fn foot<L: Lane>(point: Vec3<L>, [a, b, c]: [Vec3<L>; 3]) -> Foot<L> {
+    let (zero, one) = (L::constant(0.0), L::constant(1.0));
+    let (ab, ac) = (b - a, c - a);
+    let along = |corner: Vec3<L>| {
+        let to = point - corner;
+        [ab.dot(to), ac.dot(to)]
     };
     let ([d1, d2], [d3, d4], [d5, d6]) = (along(a), along(b), along(c));
-    let of = |part, weights| Foot { part, weights };
-    if d1 <= 0.0 && d2 <= 0.0 {
-        return of(Part::Corner(0), [1.0, 0.0, 0.0]);
-    }
-    if d3 >= 0.0 && d4 <= d3 {
-        return of(Part::Corner(1), [0.0, 1.0, 0.0]);
-    }
-    if d6 >= 0.0 && d5 <= d6 {
-        return of(Part::Corner(2), [0.0, 0.0, 1.0]);
-    }
-    let w_c = d1 * d4 - d3 * d2;
-    if w_c <= 0.0 && d1 >= 0.0 && d3 <= 0.0 {
-        let share = d1 / (d1 - d3);
-        return of(Part::Side(0), [1.0 - share, share, 0.0]);
-    }
-    let w_b = d5 * d2 - d1 * d6;
-    if w_b <= 0.0 && d2 >= 0.0 && d6 <= 0.0 {
-        let share = d2 / (d2 - d6);
-        return of(Part::Side(2), [1.0 - share, 0.0, share]);
-    }
-    let w_a = d3 * d6 - d5 * d4;
+    let (w_a, w_b, w_c) = (d3 * d6 - d5 * d4, d5 * d2 - d1 * d6, d1 * d4 - d3 * d2);
     let (from_b, from_c) = (d4 - d3, d5 - d6);
-    if w_a <= 0.0 && from_b >= 0.0 && from_c >= 0.0 {
-        let share = from_b / (from_b + from_c);
-        return of(Part::Side(1), [0.0, 1.0 - share, share]);
+    let mut found = Foot::new(Part::Face, [w_a, w_b, w_c], w_a + w_b + w_c);
+    let mut or = |mask: L::Mask, (shares, last): ([L; 3], [L; 2])| {
+        let ([u, v, w], [sum, part]) = (shares, last);
+        let ([old_u, old_v, old_w], [old_sum, old_part]) = found;
+        found = (
+            [
+                u.select(mask, old_u),
+                v.select(mask, old_v),
+                w.select(mask, old_w),
+            ],
+            [sum.select(mask, old_sum), part.select(mask, old_part)],
+        );
+    };
+    let side = |weight: L, from: L, to: L| weight.le(zero).and(zero.le(from)).and(zero.le(to));
+    or(
+        side(w_a, from_b, from_c),
+        Foot::new(Part::Side(1), [zero, from_c, from_b], from_b + from_c),
+    );
+    or(
+        side(w_b, d2, -d6),
+        Foot::new(Part::Side(2), [-d6, zero, d2], d2 - d6),
+    );
+    or(
+        side(w_c, d1, -d3),
+        Foot::new(Part::Side(0), [-d3, d1, zero], d1 - d3),
+    );
+    or(
+        zero.le(d6).and(d5.le(d6)),
+        Foot::new(Part::Corner(2), [zero, zero, one], one),
+    );
+    or(
+        zero.le(d3).and(d4.le(d3)),
+        Foot::new(Part::Corner(1), [zero, one, zero], one),
+    );
+    or(
+        d1.le(zero).and(d2.le(zero)),
+        Foot::new(Part::Corner(0), [one, zero, zero], one),
+    );
+    let (shares, [sum, part]) = found;
+    let inverse = one / sum;
+    Foot {
+        part,
+        weights: shares.map(|share| share * inverse),
     }
-    let inverse = 1.0 / (w_a + w_b + w_c);
-    let (v, w) = (w_b * inverse, w_c * inverse);
-    of(Part::Face, [1.0 - v - w, v, w])
-}
-
-/// Σ w_k x_k.
-pub(super) fn at(weights: [f64; 3], [a, b, c]: [[f64; 3]; 3]) -> [f64; 3] {
-    let [u, v, w] = weights;
-    [0, 1, 2].map(|k| u * a[k] + v * b[k] + w * c[k])
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::lanes::F64x1;
+    use crate::math::plain;
     use proptest::prelude::*;
+
+    /// Σ w_k x_k.
+    fn at(weights: [f64; 3], [a, b, c]: [[f64; 3]; 3]) -> [f64; 3] {
+        let [u, v, w] = weights;
+        [0, 1, 2].map(|k| u * a[k] + v * b[k] + w * c[k])
+    }
 
     /// The least distance to any of many points of the triangle, spaced by a hundredth of it.
     fn searched(point: [f64; 3], corners: [[f64; 3]; 3]) -> f64 {
@@ -94,10 +154,19 @@ mod tests {
             let [a, b, c] = corners;
             let area = plain::norm(plain::cross(plain::sub(b, a), plain::sub(c, a)));
             prop_assume!(area > 0.05);
-            let foot = foot(point, corners);
-            prop_assert!(foot.weights.iter().all(|w| (-1e-12..=1.0 + 1e-12).contains(w)));
-            prop_assert!((foot.weights.iter().sum::<f64>() - 1.0).abs() < 1e-12);
-            let found = plain::norm(plain::sub(point, at(foot.weights, corners)));
+            let lone = Vec3::<F64x1>::splat;
+            let foot = foot(lone(point), corners.map(lone));
+            let weights = foot.weights.map(|weight| weight.0[0]);
+            prop_assert!(weights.iter().all(|w| (-1e-12..=1.0 + 1e-12).contains(w)));
+            prop_assert!((weights.iter().sum::<f64>() - 1.0).abs() < 1e-12);
+            let zeros = weights.iter().filter(|weight| **weight == 0.0).count();
+            let expected = match Part::of(foot.part.0[0]) {
+                Part::Face => 0,
+                Part::Side(_) => 1,
+                Part::Corner(_) => 2,
+            };
+            prop_assert_eq!(zeros, expected);
+            let found = plain::norm(plain::sub(point, at(weights, corners)));
             let searched = searched(point, corners);
             // No sampled point is nearer; one is within half a spacing of the foot, and sides are at most 2√3 long.
             prop_assert!(found <= searched + 1e-12);

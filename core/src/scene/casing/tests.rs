@@ -58,21 +58,30 @@ fn patch(fold: f64) -> Mesh {
     Mesh::new(places, triangles).expect("a patch")
 }
 
-fn find(mesh: &Mesh, center: [f64; 3], radius: f64) -> Finder {
-    let faces: Vec<Face> = faces(mesh).collect();
-    let sheet = Sheet {
-        mesh,
-        faces: &faces,
+/// Where a grain that did or did not touch before touches `mesh`, whichever triangles it is near.
+fn find_after(mesh: &Mesh, center: [f64; 3], radius: f64, touched: bool) -> Finder {
+    let [x, y, z] = center;
+    let mut sheet = Sheet {
+        balls: vec![[x, y, z, radius]],
+        ..Sheet::default()
     };
+    let still = |&place: &[f64; 3]| record(place, [0.0; 3]);
+    let vertices: Vec<F64x8> = mesh.positions().iter().map(still).collect();
+    sheet.note_triangles::<F64x8>(mesh.triangles(), &vertices);
+    let all: Vec<[u32; 2]> = (0..mesh.triangles().len() as u32).map(|t| [0, t]).collect();
+    let (mut reaches, mut finder) = (vec![], Finder::default());
+    reach::find::<F64x8>(&sheet, &all, &mut reaches);
     let ball = Ball {
-        center,
+        grain: 0,
         radius,
-        touched: &|_| true,
+        touched: &|_| touched,
     };
-    let all: Vec<u32> = (0..mesh.triangles().len() as u32).collect();
-    let mut finder = Finder::default();
-    finder.find(&sheet, &ball, &all);
+    finder.add(mesh, &sheet, &ball, &reaches);
     finder
+}
+
+fn find(mesh: &Mesh, center: [f64; 3], radius: f64) -> Finder {
+    find_after(mesh, center, radius, true)
 }
 
 /// Σ of the contacts' forces over k_n: p^(3/2) n̂.
@@ -104,9 +113,9 @@ proptest! {
         let center = [place[0] * EDGE, place[1] * EDGE, (1.0 - depth) * RADIUS + place[0].abs() * EDGE * libm::tan(0.5 * fold)];
         let finder = find(&mesh, center, RADIUS);
         let mut from = 0;
-        for (touch, &end) in finder.touches.iter().zip(&finder.ends) {
-            let shares = &finder.shares[from..end];
-            from = end;
+        for touch in &finder.touches {
+            let shares = &finder.shares[from..touch.shares_end];
+            from = touch.shares_end;
             prop_assert!((shares.iter().map(|s| s.weight).sum::<f64>() - 1.0).abs() < 1e-12);
             prop_assert!(shares.iter().all(|s| s.weight > -1e-15));
             let mean = shares.iter().fold([0.0; 3], |sum, share| {
@@ -326,20 +335,8 @@ fn pressed_patch_comes_to_rest_on_a_grain() {
 fn grain_that_has_crossed_is_pushed_back_and_one_behind_the_sheet_is_not_touched() {
     // Center 0.1 R below the sheet: only a grain that touched before is held back.
     for (touched, overlap) in [(true, Some(1.1 * RADIUS)), (false, None)] {
-        let mesh = patch(0.0);
-        let faces: Vec<Face> = faces(&mesh).collect();
-        let sheet = Sheet {
-            mesh: &mesh,
-            faces: &faces,
-        };
-        let ball = Ball {
-            center: [1e-4, 3e-4, -0.1 * RADIUS],
-            radius: RADIUS,
-            touched: &|_| touched,
-        };
-        let all: Vec<u32> = (0..mesh.triangles().len() as u32).collect();
-        let mut finder = Finder::default();
-        finder.find(&sheet, &ball, &all);
+        let center = [1e-4, 3e-4, -0.1 * RADIUS];
+        let finder = find_after(&patch(0.0), center, RADIUS, touched);
         let found = finder.touches.first().map(|touch| touch.overlap);
         assert_eq!(found.is_some(), overlap.is_some());
         if let (Some(found), Some(overlap)) = (found, overlap) {

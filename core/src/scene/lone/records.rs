@@ -1,7 +1,7 @@
 //! The state of one step as records, so that a contact finds what it needs in few places.
 
 use crate::grains::Grains;
-use crate::lanes::{F64x1, F64x8, Lane, Row};
+use crate::lanes::{F64x1, F64x8, Lane};
 use crate::math::Vec3;
 use crate::scene::contacts::Candidate;
 use crate::scene::interact::Partner;
@@ -113,7 +113,7 @@ impl Records {
         &self,
         eight: &[Ball; WIDE],
     ) -> (Vec3<W>, W) {
-        let numbers = W::gather(|e| halves(&self.spheres[eight[e].sphere])[0]);
+        let numbers = W::gather(|e| self.spheres[eight[e].sphere].halves()[0]);
         let radius = if P::GRADED {
             numbers[3]
         } else {
@@ -129,11 +129,11 @@ impl Records {
         eight: &[Ball; WIDE],
         radius: W,
     ) -> Partner<W> {
-        let motion = |e: usize| halves(&self.motions[eight[e].grain]);
+        let motion = |e: usize| self.motions[eight[e].grain].halves();
         let moving = W::gather(|e| motion(e)[0]);
         Partner {
             arm: if P::ORIENTED {
-                vector(W::gather(|e| halves(&self.spheres[eight[e].sphere])[1]))
+                vector(W::gather(|e| self.spheres[eight[e].sphere].halves()[1]))
             } else {
                 Vec3::zero()
             },
@@ -161,7 +161,7 @@ impl Records {
         &self,
         eight: Eight,
     ) -> Load<W> {
-        let load = |e: usize| halves(&self.loads[eight.nth(e)]);
+        let load = |e: usize| self.loads[eight.nth(e)].halves();
         Load {
             force: vector(W::gather(|e| load(e)[0])),
             torque: if P::SPINS {
@@ -171,13 +171,6 @@ impl Records {
             },
         }
     }
-}
-
-/// The two vectors of a record.
-#[inline(always)]
-pub(super) fn halves(record: &F64x8) -> [&[f64; 4]; 2] {
-    let (halves, _) = record.lanes().as_chunks();
-    [&halves[0], &halves[1]]
 }
 
 /// Two vectors of eight, and the numbers beside them, as eight records.

@@ -1,0 +1,83 @@
+//! Where grains reach triangles: every foot that is nearer than the radius, before it is known which of them are one contact.
+
+use super::foot::Part;
+use super::sheet::{Pair, Sheet};
+use crate::lanes::{F64x8, Lane, Mask};
+
+/// A place where a grain reaches a triangle.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Reach {
+    /// The foot's three barycentric coordinates and the code of its part;
+    /// then the unit vector from it to the center, or into the beam from a face, and the center's distance along it.
+    numbers: F64x8,
+    pub(super) pair: Pair,
+    /// How far the center is inside of the triangle's plane.
+    pub(super) height: f64,
+    /// Distance of the foot from the nearest side.
+    pub(super) from_side: f64,
+}
+
+impl Reach {
+    pub(super) fn part(&self) -> Part {
+        Part::of(self.numbers.0[3])
+    }
+
+    pub(super) fn weights(&self) -> [f64; 3] {
+        let &[u, v, w, _] = self.numbers.halves()[0];
+        [u, v, w]
+    }
+
+    pub(super) fn normal(&self) -> [f64; 3] {
+        let &[x, y, z, _] = self.numbers.halves()[1];
+        [x, y, z]
+    }
+
+    /// Below zero only before a face.
+    pub(super) fn depth(&self) -> f64 {
+        self.numbers.0[7]
+    }
+}
+
+/// Finds the places where grains of `pairs` reach their triangles, in the order of the pairs.
+#[inline(always)]
+pub(super) fn find<W: Lane<Row = F64x8, Scalar = f64>>(
+    sheet: &Sheet,
+    pairs: &[Pair],
+    found: &mut Vec<Reach>,
+) {
+    found.clear();
+    let zero = W::constant(0.0);
+    for eight in pairs.chunks(W::K) {
+        let feet = sheet.feet::<W>(eight);
+        let near = feet.square.lt(feet.radius * feet.radius).bits();
+        if near == 0 {
+            continue;
+        }
+        // Codes of faces are zero.
+        let on_face = feet.foot.part.le(zero);
+        let distance = feet.square.sqrt();
+        let inverse = W::constant(1.0) / distance;
+        let inward = feet.outward.scale(W::constant(-1.0));
+        let normal = inward.select(on_face, feet.from.scale(inverse));
+        let depth = feet.height.select(on_face, distance);
+        let [u, v, w] = feet.foot.weights;
+        let numbers = W::transposed([u, v, w, feet.foot.part, normal.x, normal.y, normal.z, depth]);
+        let [over_a, over_b, over_c] = feet.over_sides;
+        let from_side = -(-(u * over_a)).max(-(v * over_b)).max(-(w * over_c));
+        let (mut heights, mut from_sides) = (F64x8::default(), F64x8::default());
+        feet.height.store(&mut heights);
+        from_side.store(&mut from_sides);
+        for (e, &pair) in eight.iter().enumerate() {
+            if near >> e & 1 == 1 {
+                let mut reach = Reach {
+                    numbers: F64x8::default(),
+                    pair,
+                    height: heights.0[e],
+                    from_side: from_sides.0[e],
+                };
+                numbers[e].store(&mut reach.numbers);
+                found.push(reach);
+            }
+        }
+    }
+}
