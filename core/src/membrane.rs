@@ -25,6 +25,7 @@ pub use health::{Finding, Rest, findings};
 pub use mesh::{Mesh, MeshError};
 pub use pressure::add_pressure;
 pub use spring::Springs;
+pub use stability::Hold;
 
 use crate::lanes::{F64x8, Lane};
 use crate::math::plain;

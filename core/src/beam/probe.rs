@@ -3,6 +3,7 @@
 use super::rig::{Beam, Friction};
 use crate::contact::Components;
 use crate::math::plain;
+use crate::membrane::Hold;
 
 /// A contact of two grains, at rest: without what its dashpots add.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -52,8 +53,8 @@ pub(super) fn contacts<T: Friction>(beam: &Beam<T>) -> Vec<GrainContact> {
 
 /// 2/ω_max \[s\]: the longest step that is stable, were there no damping, by the sums of stiffness on each body.
 ///
-/// Of a grain ω² = (2/m) Σ (k_n + 2 k_t)/3 + (2·(2/3)·2.5/m) Σ k_t; of a vertex what springs allow, and 2 Σ k/m of its
-/// contacts with grains, planes and rods.
+/// Of a grain ω² = (2/m) Σ (k_n + 2 k_t)/3 + (2·(2/3)·2.5/m) Σ k_t; the membrane's bound takes its springs and its
+/// contacts with grains, planes and rods together.
 pub(super) fn critical_time_step<T: Friction>(beam: &Beam<T>, contacts: &[GrainContact]) -> f64 {
     let casing = &beam.surroundings;
     let mut of_grains = vec![[0.0; 2]; beam.grains.len()];
@@ -66,43 +67,43 @@ pub(super) fn critical_time_step<T: Friction>(beam: &Beam<T>, contacts: &[GrainC
             of_grains[body][1] += across * contact.radius;
         }
     }
-    let mut of_vertices = vec![0.0; casing.membrane.masses().len()];
-    for held in casing.held() {
-        let i = held.grain as usize;
-        let radius = (beam.grains.radius(i) * held.overlap.max(0.0)).sqrt();
-        let along = 1.5 * casing.grip.material.normal_stiffness * radius;
+    let grip = &casing.grip;
+    let mut holds = vec![];
+    for touch in casing.touches(&beam.grains, beam.laws.width) {
+        let i = touch.grain as usize;
+        let radius = (beam.grains.radius(i) * touch.overlap.max(0.0)).sqrt();
+        let along = 1.5 * grip.material.normal_stiffness * radius;
+        let across = grip.tangential.stiffness() * radius;
         of_grains[i][0] += along;
-        of_grains[i][1] += casing.grip.tangential.stiffness() * radius;
-        for &vertex in &casing.membrane.mesh().triangles()[held.triangle as usize] {
-            of_vertices[vertex as usize] += along;
-        }
+        of_grains[i][1] += across;
+        holds.extend(touch.shares.iter().map(|&(vertex, weight)| Hold {
+            vertex,
+            normal: touch.normal,
+            along: weight * along,
+            across: weight * across,
+        }));
     }
     let press = &casing.press;
-    for (sum, &place) in of_vertices
-        .iter_mut()
-        .zip(casing.membrane.mesh().positions())
-    {
+    for (vertex, &place) in (0..).zip(casing.membrane.mesh().positions()) {
         let planes = press
             .planes
             .iter()
-            .map(|plane| plane.overlap(&press.ball, place));
-        let rods = press.rods.iter().map(|rod| rod.overlap(&press.ball, place));
-        *sum += planes
-            .chain(rods)
-            .map(|overlap| press.ball.stiffness(overlap))
-            .sum::<f64>();
+            .map(|plane| plane.grasp(&press.ball, place));
+        let rods = press.rods.iter().map(|rod| rod.grasp(&press.ball, place));
+        holds.extend(planes.chain(rods).flatten().map(|(normal, along)| Hold {
+            vertex,
+            normal,
+            along,
+            across: 0.0,
+        }));
     }
     let grain = |(sums, size): (&[f64; 2], &crate::grains::Size)| {
         let [along, across] = *sums;
         2.0 * size.inverse_mass * ((along + 2.0 * across) / 3.0 + 5.0 / 3.0 * across)
     };
-    let fastest = |rates: &mut dyn Iterator<Item = f64>| rates.fold(0.0, f64::max);
-    let grains = fastest(&mut of_grains.iter().zip(beam.grains.sizes()).map(grain));
-    let masses = casing.membrane.masses().iter();
-    let touched = fastest(&mut of_vertices.iter().zip(masses).map(|(k, m)| 2.0 * k / m));
-    let springs = 2.0 / casing.membrane.critical_time_step();
-    let vertices = springs * springs + touched;
-    2.0 / grains.max(vertices).sqrt()
+    let fastest = of_grains.iter().zip(beam.grains.sizes()).map(grain);
+    let grains = 2.0 / fastest.fold(0.0, f64::max).sqrt();
+    grains.min(casing.membrane.critical_time_step(&holds))
 }
 
 /// Kinetic and elastic energy of grains and membrane \[J\].

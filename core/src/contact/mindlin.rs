@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use super::elongation::carried;
 use super::{Contact, TangentialLaw};
-use crate::lanes::{Lane, Mask};
+use crate::lanes::Lane;
 use crate::material::Pair;
 use crate::math::Vec3;
 
@@ -122,20 +122,15 @@ impl TangentialLaw for Mindlin {
 
         let damping = law.damping
             * (contact.reduced_mass * law.damped_stiffness * contact.root_overlap).sqrt();
-        let mut force = contact.sliding_velocity.scale_sub(damping, trial);
-        let damped_square = force.dot(force);
+        let damped = contact.sliding_velocity.scale_sub(damping, trial);
+        let damped_square = damped.dot(damped);
         let beyond = (limit * limit).lt(damped_square);
-        if beyond.any() {
-            force = force
-                .scale(limit / damped_square.sqrt())
-                .select(beyond, force);
-        }
-        let mut kept = elongation;
-        if slipping.any() {
-            let share = limit / square.sqrt();
-            force = trial.scale(share).select(slipping, force);
-            kept = elongation.scale(share).select(slipping, elongation);
-        }
+        // Both are cut to the limit by one root and one division; most eights hold a contact that needs them.
+        let pull = trial.select(slipping, damped);
+        let share = limit / square.select(slipping, damped_square).sqrt();
+        let cut = pull.scale(share);
+        let force = cut.select(slipping, cut.select(beyond, damped));
+        let kept = elongation.scale(share).select(slipping, elongation);
         *history = [kept.x, kept.y, kept.z];
         force
     }

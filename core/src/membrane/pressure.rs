@@ -17,8 +17,8 @@ pub fn add_pressure<W: Lane<Row = F64x8, Scalar = f64>>(
     let last = triangles.len().saturating_sub(1);
     for first in (0..triangles.len()).step_by(W::K) {
         let corner = |e: usize, k: usize| triangles[(first + e).min(last)][k] as usize;
-        let [a, b, c]: [Vec3<W>; 3] =
-            [0, 1, 2].map(|k| Vec3::gathered(|e| vertices[corner(e, k)].halves()[0]));
+        let at = |k: usize| Vec3::<W>::gathered(|e| vertices[corner(e, k)].halves()[0]);
+        let (a, b, c) = (at(0), at(1), at(2));
         let mut shares = Vec3::default();
         (b - a).cross(c - a).scale(sixth).store(&mut shares);
         for (e, &corners) in triangles[first..].iter().take(W::K).enumerate() {

@@ -156,7 +156,7 @@ pub(super) fn relax(
     tolerance: f64,
     load: impl Fn(&mut Membrane),
 ) {
-    let time_step = 0.8 * membrane.critical_time_step();
+    let time_step = 0.8 * membrane.critical_time_step(&[]);
     for _ in 0..200_000 {
         membrane.begin_step();
         membrane.add_internal_forces::<F64x8>();

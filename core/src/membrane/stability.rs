@@ -12,6 +12,9 @@
 //! A hinge adds 2 k_θ g gᵀ to each of its corners' sums, g = ∂θ/∂x; its own tension is left out.
 //! Dampers obey the same bound with c u uᵀ; it is called δ.
 //!
+//! What touches the sheet at a point with weights w_k of vertices, Σ w = 1, acts on x − Σ w_k x_k. By convexity
+//! |x − Σ w_k x_k|² ≤ 2 |x|² + 2 Σ w_k |x_k|² in the norm of its stiffness B_c, so each vertex gets w_k B_c beside its springs.
+//!
 //! # The step
 //! Kick and drift with velocities of the last half step are stable while 4 − 2 δ Δt − ω² Δt² > 0 for every mode, so
 //! Δt_crit = (2/ω) (√(1 + ζ²) − ζ), ζ = δ/2ω: damping shortens the step.
@@ -22,10 +25,23 @@ use crate::math::plain;
 /// A symmetric 3 × 3 tensor: xx, yy, zz, yz, zx, xy.
 type Tensor = [f64; 6];
 
+/// What holds on to a vertex from outside the sheet: its share w of a contact's stiffness.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hold {
+    /// The vertex.
+    pub vertex: u32,
+    /// The contact's normal.
+    pub normal: [f64; 3],
+    /// w k_n \[N/m\].
+    pub along: f64,
+    /// w k_t \[N/m\].
+    pub across: f64,
+}
+
 impl Membrane {
-    /// A bound of ω_max \[1/s\], the angular frequency of the fastest mode, where the sheet is now.
+    /// A bound of ω_max \[1/s\], the angular frequency of the fastest mode, where the sheet is now, under these `holds`.
     #[must_use]
-    pub fn fastest_frequency(&self) -> f64 {
+    pub fn fastest_frequency(&self, holds: &[Hold]) -> f64 {
         let mut sums = vec![[0.0; 6]; self.masses.len()];
         let tensions = self.springs.tensions(&self.mesh);
         for ((along, k), tension) in self.edges().zip(self.springs.stiffness()).zip(tensions) {
@@ -38,6 +54,11 @@ impl Membrane {
             }
         }
         self.add_hinges(&mut sums, self.hinges.bending().stiffness);
+        for hold in holds {
+            let sum = &mut sums[hold.vertex as usize];
+            add_dyad(sum, hold.normal, hold.along - hold.across);
+            add_isotropic(sum, hold.across);
+        }
         self.largest_rate(&sums).sqrt()
     }
 
@@ -54,10 +75,10 @@ impl Membrane {
         self.largest_rate(&sums)
     }
 
-    /// Δt_crit \[s\]: no shorter step is unstable while the sheet feels only its own forces.
+    /// Δt_crit \[s\]: no shorter step is unstable while the sheet feels only its own forces and these `holds`.
     #[must_use]
-    pub fn critical_time_step(&self) -> f64 {
-        let frequency = self.fastest_frequency();
+    pub fn critical_time_step(&self, holds: &[Hold]) -> f64 {
+        let frequency = self.fastest_frequency(holds);
         let ratio = 0.5 * self.fastest_decay() / frequency;
         // √(1 + ζ²) − ζ without cancellation.
         2.0 / frequency / ((1.0 + ratio * ratio).sqrt() + ratio)

@@ -40,6 +40,19 @@ pub struct Grip {
     pub areal_density: f64,
 }
 
+/// Where a grain touches the membrane.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Contact {
+    /// The grain.
+    pub grain: u32,
+    /// From the membrane into the grain.
+    pub normal: [f64; 3],
+    /// p \[m\].
+    pub overlap: f64,
+    /// The vertices that share the force, and their shares; they sum to one.
+    pub shares: Vec<(u32, f64)>,
+}
+
 /// What presses on the membrane from outside.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Press {
@@ -113,6 +126,32 @@ impl Casing {
     /// Gives back the contacts of a step before.
     pub fn hold(&mut self, held: Vec<Held>) {
         self.held = held;
+    }
+
+    /// Where `grains` touch the membrane as both are now.
+    #[must_use]
+    pub fn touches(&self, grains: &Grains<F64x1>, width: VectorWidth) -> Vec<Contact> {
+        let mut casing = self.clone();
+        let look = Look {
+            casing: &mut casing,
+            grains,
+        };
+        dispatch::<F64x8, _>(width, look);
+        let Finder {
+            touches, shares, ..
+        } = &casing.finder;
+        let mut from = 0;
+        let contact = |touch: &Touch| {
+            let own = &shares[from..touch.shares_end];
+            from = touch.shares_end;
+            Contact {
+                grain: touch.grain,
+                normal: touch.normal,
+                overlap: touch.overlap,
+                shares: own.iter().map(|s| (s.vertex, s.weight)).collect(),
+            }
+        };
+        touches.iter().map(contact).collect()
     }
 
     /// Lets everything but grains act on the membrane.
@@ -264,6 +303,22 @@ impl Kernel<F64x8> for Step<'_> {
         self.casing.find::<W>(self.grains);
         self.casing.carry_over(self.grains);
         self.casing.push::<W>(self.time_step);
+    }
+}
+
+/// Finds contacts between two steps.
+struct Look<'a> {
+    casing: &'a mut Casing,
+    grains: &'a Grains<F64x1>,
+}
+
+impl Kernel<F64x8> for Look<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<W: Lane<Row = F64x8, Scalar = f64>>(self) {
+        self.casing.membrane.begin_step();
+        self.casing.find::<W>(self.grains);
     }
 }
 

@@ -88,10 +88,17 @@ pub(super) fn geometry<L: Lane, P: Physics>(branch: Branch<L>, radii: [L; 2]) ->
     };
     let length = (excess + square).sqrt();
     let sum = length + reach;
-    let inverse = L::constant(1.0) / (length * sum);
+    let both = length * sum;
+    let (inverse, inverse_reach) = if P::GRADED {
+        // One division for both.
+        let inverse = L::constant(1.0) / (both * reach);
+        (inverse * reach, inverse * both)
+    } else {
+        (L::constant(1.0) / both, L::constant(0.5))
+    };
     let overlap = -excess * (inverse * length);
     let root_overlap = if P::GRADED {
-        (radii[0] * radii[1] / reach * overlap).sqrt()
+        (radii[0] * radii[1] * inverse_reach * overlap).sqrt()
     } else {
         overlap.sqrt()
     };

@@ -59,6 +59,15 @@ impl Plane {
         ball.radius - self.inward * (position[self.axis] - self.position)
     }
 
+    /// Normal and tangent stiffness \[N/m\] of its contact with a vertex at `position`, if it touches.
+    #[must_use]
+    pub fn grasp(&self, ball: &VertexBall, position: [f64; 3]) -> Option<([f64; 3], f64)> {
+        let overlap = self.overlap(ball, position);
+        let mut normal = [0.0; 3];
+        normal[self.axis] = self.inward;
+        (overlap > 0.0).then(|| (normal, ball.stiffness(overlap)))
+    }
+
     /// Pushes all vertices that it touches.
     pub fn press(
         &mut self,
@@ -98,6 +107,16 @@ impl Rod {
     pub fn overlap(&self, ball: &VertexBall, [x, _, z]: [f64; 3]) -> f64 {
         let [dx, dz] = [x - self.position[0], z - self.position[1]];
         self.radius + ball.radius - (dx * dx + dz * dz).sqrt()
+    }
+
+    /// Normal and tangent stiffness \[N/m\] of its contact with a vertex at `position`, if it touches.
+    #[must_use]
+    pub fn grasp(&self, ball: &VertexBall, [x, y, z]: [f64; 3]) -> Option<([f64; 3], f64)> {
+        let overlap = self.overlap(ball, [x, y, z]);
+        let away = [x - self.position[0], 0.0, z - self.position[1]];
+        let distance = plain::norm(away);
+        (overlap > 0.0 && distance > 0.0)
+            .then(|| (plain::scale(away, 1.0 / distance), ball.stiffness(overlap)))
     }
 
     /// Pushes all vertices that it touches.

@@ -111,10 +111,10 @@ pub(super) fn foot<L: Lane>(point: Vec3<L>, [a, b, c]: [Vec3<L>; 3]) -> Foot<L> 
         Foot::new(Part::Corner(0), [one, zero, zero], one),
     );
     let (shares, [sum, part]) = found;
-    let inverse = one / sum;
+    let (inverse, [u, v, w]) = (one / sum, shares);
     Foot {
         part,
-        weights: shares.map(|share| share * inverse),
+        weights: [u * inverse, v * inverse, w * inverse],
     }
 }
 

@@ -86,11 +86,14 @@ pub(super) fn forces<W: Lane<Row = F64x8, Scalar = f64>>(
     eight: &[Pending],
 ) -> Acting {
     let last = eight.len() - 1;
-    let turned = |of: fn(&Pending) -> &F64x8| {
-        W::transposed(std::array::from_fn(|e| W::load(of(&eight[e.min(last)]))))
-    };
-    let [n_x, n_y, n_z, overlap, l_x, l_y, l_z, radius] = turned(|p| &p.geometry);
-    let [v_x, v_y, v_z, inverse_mass, s_x, s_y, s_z, _] = turned(|p| &p.motion);
+    let (mut geometry, mut motion) = ([W::constant(0.0); 8], [W::constant(0.0); 8]);
+    for e in 0..W::K {
+        let pending = &eight[e.min(last)];
+        geometry[e] = W::load(&pending.geometry);
+        motion[e] = W::load(&pending.motion);
+    }
+    let [n_x, n_y, n_z, overlap, l_x, l_y, l_z, radius] = W::transposed(geometry);
+    let [v_x, v_y, v_z, inverse_mass, s_x, s_y, s_z, _] = W::transposed(motion);
     let vector = |x, y, z| Vec3 { x, y, z };
     let (normal, lever) = (vector(n_x, n_y, n_z), vector(l_x, l_y, l_z));
     let relative = vector(v_x, v_y, v_z);
@@ -118,26 +121,17 @@ pub(super) fn forces<W: Lane<Row = F64x8, Scalar = f64>>(
     let size = tangential.dot(tangential).sqrt();
     let zero = W::constant(0.0);
     let [x, y, z] = history;
-    let rows = |records: [W; 8]| {
-        records.map(|record| {
-            let mut row = F64x8::default();
-            record.store(&mut row);
-            row
-        })
+    let pushes = W::transposed([
+        force.x, force.y, force.z, zero, torque.x, torque.y, torque.z, zero,
+    ]);
+    let after = W::transposed([x, y, z, normal_force, size, overlap, zero, zero]);
+    let mut acting = Acting {
+        pushes: [F64x8::default(); 8],
+        after: [F64x8::default(); 8],
     };
-    Acting {
-        pushes: rows(W::transposed([
-            force.x, force.y, force.z, zero, torque.x, torque.y, torque.z, zero,
-        ])),
-        after: rows(W::transposed([
-            x,
-            y,
-            z,
-            normal_force,
-            size,
-            overlap,
-            zero,
-            zero,
-        ])),
+    for e in 0..W::K {
+        pushes[e].store(&mut acting.pushes[e]);
+        after[e].store(&mut acting.after[e]);
     }
+    acting
 }

@@ -13,8 +13,11 @@ pub(super) struct Reach {
     pub(super) pair: Pair,
     /// How far the center is inside of the triangle's plane.
     pub(super) height: f64,
-    /// Distance of the foot from the nearest side.
-    pub(super) from_side: f64,
+    /// How much it counts in the mean of a contact over its distance from the center.
+    ///
+    /// Its overlap; but a face counts less and less as its foot leaves it by a side, over the radius √(R p) of the contact:
+    /// in a valley it is gone then, whatever its overlap.
+    pub(super) weight: f64,
 }
 
 impl Reach {
@@ -64,16 +67,19 @@ pub(super) fn find<W: Lane<Row = F64x8, Scalar = f64>>(
         let numbers = W::transposed([u, v, w, feet.foot.part, normal.x, normal.y, normal.z, depth]);
         let [over_a, over_b, over_c] = feet.over_sides;
         let from_side = -(-(u * over_a)).max(-(v * over_b)).max(-(w * over_c));
-        let (mut heights, mut from_sides) = (F64x8::default(), F64x8::default());
+        let overlap = feet.radius - depth;
+        let share = -(-(from_side / (feet.radius * overlap).sqrt())).max(-W::constant(1.0));
+        let weight = overlap / depth * share.max(zero).select(on_face, W::constant(1.0));
+        let (mut heights, mut weights) = (F64x8::default(), F64x8::default());
         feet.height.store(&mut heights);
-        from_side.store(&mut from_sides);
+        weight.store(&mut weights);
         for (e, &pair) in eight.iter().enumerate() {
             if near >> e & 1 == 1 {
                 let mut reach = Reach {
                     numbers: F64x8::default(),
                     pair,
                     height: heights.0[e],
-                    from_side: from_sides.0[e],
+                    weight: weights.0[e],
                 };
                 numbers[e].store(&mut reach.numbers);
                 found.push(reach);

@@ -44,8 +44,8 @@ impl Sheet {
         let last = triangles.len().saturating_sub(1);
         for first in (0..triangles.len()).step_by(W::K) {
             let corner = |e: usize, k: usize| triangles[(first + e).min(last)][k] as usize;
-            let [a, b, c]: [Vec3<W>; 3] =
-                [0, 1, 2].map(|k| Vec3::gathered(|e| vertices[corner(e, k)].halves()[0]));
+            let at = |k: usize| Vec3::<W>::gathered(|e| vertices[corner(e, k)].halves()[0]);
+            let (a, b, c) = (at(0), at(1), at(2));
             let area = (b - a).cross(c - a);
             let doubled = area.dot(area).sqrt();
             let outward = area.scale(W::constant(1.0) / doubled);
@@ -90,7 +90,7 @@ impl Sheet {
         let quarter = |half: usize| W::gather(|e| part(e, half));
         let [a, b, c, outward] = [quarter(0), quarter(1), quarter(2), quarter(3)];
         let vector = |[x, y, z, _]: [W; 4]| Vec3 { x, y, z };
-        let corners = [a, b, c].map(vector);
+        let corners = [vector(a), vector(b), vector(c)];
         let center = Vec3 { x, y, z };
         let foot = foot(center, corners);
         let from = center - foot.on(corners);

@@ -29,7 +29,7 @@ struct Place {
     /// p.
     overlap: f64,
     /// How much it counts in the mean of a group.
-    fade: f64,
+    weight: f64,
     /// Which merged contact it belongs to.
     group: usize,
 }
@@ -139,7 +139,9 @@ impl Finder {
         if self.places.is_empty() {
             return;
         }
-        self.keep_minima(mesh);
+        if self.places.iter().any(|place| place.part != Part::Face) {
+            self.keep_minima(mesh);
+        }
         self.group(mesh);
         self.merge(mesh, ball);
     }
@@ -206,21 +208,28 @@ impl Finder {
 
     fn merge(&mut self, mesh: &Mesh, ball: &Ball<'_>) {
         let places = std::mem::take(&mut self.places);
-        for group in 0..places.len() {
-            let members = || places.iter().filter(move |place| place.group == group);
-            let Some(&first) = members().next() else {
+        for (group, first) in places.iter().enumerate() {
+            if first.group != group {
                 continue;
+            }
+            let members = || {
+                places[group..]
+                    .iter()
+                    .filter(move |place| place.group == group)
             };
-            let deepest = members().fold(first, |a, b| if b.overlap > a.overlap { *b } else { a });
+            let (mut deepest, mut total) = (first, 0.0);
+            for place in members() {
+                total += place.weight;
+                if place.overlap > deepest.overlap {
+                    deepest = place;
+                }
+            }
             // Where the center has all but crossed the sheet, the mean's levers have no length to be weighed by.
-            let whole = members().all(|r| ball.radius - r.overlap > 0.05 * ball.radius);
-            let part = |r: &Place| r.fade * r.overlap / (ball.radius - r.overlap);
-            let total: f64 = members().map(part).sum();
-            let mean = whole && total > 0.0;
+            let mean = ball.radius - deepest.overlap > 0.05 * ball.radius && total > 0.0;
             let mut lever = [0.0; 3];
             for place in members() {
                 let share = if mean {
-                    part(place) / total
+                    place.weight / total
                 } else {
                     f64::from(u8::from(place.triangle == deepest.triangle))
                 };
@@ -247,22 +256,14 @@ impl Finder {
 }
 
 /// A reach as a place.
-///
-/// A face counts less and less in a mean as its foot leaves it by a side, over the radius √(R p) of the contact; in a valley
-/// it is gone then, whatever its overlap.
 fn place(ball: &Ball<'_>, reach: &Reach) -> Place {
-    let (part, overlap) = (reach.part(), ball.radius - reach.depth());
-    let fade = match part {
-        Part::Face => (reach.from_side / (ball.radius * overlap).sqrt()).clamp(0.0, 1.0),
-        Part::Side(_) | Part::Corner(_) => 1.0,
-    };
     Place {
         triangle: reach.pair[1],
-        part,
+        part: reach.part(),
         weights: reach.weights(),
         normal: reach.normal(),
-        overlap,
-        fade,
+        overlap: ball.radius - reach.depth(),
+        weight: reach.weight,
         group: 0,
     }
 }
