@@ -62,7 +62,7 @@ impl<T: Copy, const N: usize> Components<T> for [T; N] {
 /// Force in the contact plane, with whatever memory it needs.
 pub trait TangentialLaw: Copy + Send + Sync + 'static {
     /// What one contact remembers from step to step, in memory (rows) or in registers (lanes); `[T; 0]` if nothing.
-    type History<T: Copy>: Components<T>;
+    type History<T: Copy + Send + Sync>: Components<T> + Send + Sync;
 
     /// The law's constants in registers.
     type Constants<L: Lane>: Copy;

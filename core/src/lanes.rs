@@ -86,6 +86,8 @@ pub trait Lane:
     + Mul<Output = Self>
     + Div<Output = Self>
     + Neg<Output = Self>
+    + Send
+    + Sync
 {
     /// The type of one number.
     type Scalar: Scalar;

@@ -23,13 +23,14 @@ mod topology;
 pub use cuboid::{Cuboid, CuboidError, EDGE_TOLERANCE, MOST_VERTICES};
 pub use health::{Finding, Rest, findings};
 pub use mesh::{Mesh, MeshError};
-pub use pressure::add_pressure;
+pub use pressure::{Face, add_pressure};
 pub use spring::Springs;
 pub use stability::Hold;
 
 use crate::lanes::{F64x8, Lane};
 use crate::math::plain;
 use hinge::Hinges;
+use pressure::note_faces;
 
 /// Poisson's ratio of every sheet of springs on equilateral triangles.
 pub const POISSON_RATIO: f64 = 1.0 / 3.0;
@@ -120,6 +121,7 @@ pub struct Membrane {
     forces: Vec<[f64; 3]>,
     /// Every vertex as its [`record`] in the running step.
     vertices: Vec<F64x8>,
+    faces: Vec<Face>,
 }
 
 impl Membrane {
@@ -135,6 +137,7 @@ impl Membrane {
             velocities: vec![[0.0; 3]; masses.len()],
             forces: vec![[0.0; 3]; masses.len()],
             vertices: vec![],
+            faces: vec![],
             masses,
             mesh,
         })
@@ -239,12 +242,24 @@ impl Membrane {
     /// Begins a step: no forces, and vertices where they are now.
     pub fn begin_step(&mut self) {
         self.forces.fill([0.0; 3]);
+        self.note_vertices();
+    }
+
+    fn note_vertices(&mut self) {
         self.vertices.clear();
         let state = self.mesh.positions().iter().zip(&self.velocities);
         self.vertices.extend(state.map(|(&x, &v)| record(x, v)));
     }
 
-    /// The vertices as they were when the step began.
+    /// Takes note of all vertices and faces between two steps.
+    #[inline(always)]
+    pub fn note<W: Lane<Row = F64x8, Scalar = f64>>(&mut self) {
+        self.note_vertices();
+        let sheet = (self.mesh.triangles(), self.vertices.as_slice());
+        note_faces::<W>(sheet, &mut self.faces, |_, _| ());
+    }
+
+    /// The vertices as they were last noted.
     #[must_use]
     pub fn vertices(&self) -> &[F64x8] {
         &self.vertices
@@ -260,11 +275,17 @@ impl Membrane {
             .add_forces(places, &self.velocities, &mut self.forces);
     }
 
-    /// Adds a `pressure` from outside \[Pa\]; negative if from inside.
+    /// The triangles as they were last noted.
+    #[must_use]
+    pub fn faces(&self) -> &[Face] {
+        &self.faces
+    }
+
+    /// Adds a `pressure` from outside \[Pa\]; negative if from inside. Takes note of all faces.
     #[inline(always)]
     pub fn add_pressure<W: Lane<Row = F64x8, Scalar = f64>>(&mut self, pressure: f64) {
-        let triangles = self.mesh.triangles();
-        add_pressure::<W>(triangles, &self.vertices, pressure, &mut self.forces);
+        let sheet = (self.mesh.triangles(), self.vertices.as_slice());
+        add_pressure::<W>(sheet, pressure, &mut self.forces, &mut self.faces);
     }
 
     /// Kicks all vertices by `time_step` \[s\], lets them drift, and returns the largest speed \[m/s\].

@@ -108,7 +108,7 @@ impl Replicas for F64x1 {
     type Work = lone::Records;
 
     fn step<P: Physics>(scene: &mut Scene<Self, P>) -> f64 {
-        dispatch::<F64x8, _>(scene.laws.width, lone::LoneStep { scene })
+        lone::step(scene)
     }
 }
 

@@ -9,7 +9,7 @@ use crate::math::Vec3;
 pub struct Frictionless;
 
 impl TangentialLaw for Frictionless {
-    type History<T: Copy> = [T; 0];
+    type History<T: Copy + Send + Sync> = [T; 0];
     type Constants<L: Lane> = ();
     const TANGENTIAL: bool = false;
 

@@ -31,7 +31,7 @@ pub struct HookeConstants<L> {
 
 impl TangentialLaw for Hooke {
     /// ξ \[R\], the elongation of the spring: the path that `i` slid over `j`.
-    type History<T: Copy> = [T; 3];
+    type History<T: Copy + Send + Sync> = [T; 3];
     type Constants<L: Lane> = HookeConstants<L>;
     const TANGENTIAL: bool = true;
 

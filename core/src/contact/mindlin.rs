@@ -89,7 +89,7 @@ pub struct MindlinConstants<L> {
 
 impl TangentialLaw for Mindlin {
     /// ξ \[m\], the elongation of the spring: the path that `i` slid over `j`.
-    type History<T: Copy> = [T; 3];
+    type History<T: Copy + Send + Sync> = [T; 3];
     type Constants<L: Lane> = MindlinConstants<L>;
     const TANGENTIAL: bool = true;
 

@@ -169,7 +169,7 @@ impl Mesh {
     /// Whether every edge has two triangles.
     #[must_use]
     pub fn is_closed(&self) -> bool {
-        self.open_edge().is_none()
+        self.topology.closed
     }
 
     /// That the mesh is closed and its normals point outward.

@@ -86,28 +86,23 @@ impl Springs {
         vertices: &[F64x8],
         forces: &mut [[f64; 3]],
     ) {
-        let last = ends.len().saturating_sub(1);
-        for first in (0..ends.len()).step_by(W::K) {
-            let nth = |e: usize| (first + e).min(last);
-            let number = |of: &[f64]| W::load(&F64x8(std::array::from_fn(|e| of[nth(e)])));
-            let record = |e: usize, end: usize| vertices[ends[nth(e)][end] as usize].halves();
-            let part = |end: usize, half: usize| Vec3::gathered(|e| record(e, end)[half]);
-            let along: Vec3<W> = part(1, 0) - part(0, 0);
-            // Not fused, as rest lengths are not: a sheet at rest pulls nowhere.
-            let square = along.x * along.x + along.y * along.y + along.z * along.z;
-            let length = square.sqrt();
-            let inverse = (W::constant(1.0) / length).keep(W::constant(0.0).lt(length));
-            let closing = (part(1, 1) - part(0, 1)).dot(along) * inverse;
-            let stretch = length - number(&self.rest_lengths);
-            let tension = number(&self.stiffness) * stretch + number(&self.damping) * closing;
-            let mut pulls = Vec3::default();
-            along.scale(tension * inverse).store(&mut pulls);
-            for (e, &[i, j]) in ends[first..].iter().take(W::K).enumerate() {
-                let pull = pulls.lane(e);
-                let (i, j) = (i as usize, j as usize);
-                forces[i] = plain::add(forces[i], pull);
-                forces[j] = plain::sub(forces[j], pull);
-            }
+        let (eights, rest) = ends.as_chunks();
+        let numbers = [&self.rest_lengths, &self.stiffness, &self.damping];
+        let mut from = 0;
+        for eight in eights {
+            let of = |n: usize| W::load(&row(&numbers[n][from..from + W::K]));
+            pull(eight, eight, [of(0), of(1), of(2)], vertices, forces);
+            from += W::K;
+        }
+        if let Some(&last) = rest.last() {
+            let mut eight = [last; 8];
+            eight[..rest.len()].copy_from_slice(rest);
+            let of = |n: usize| {
+                let mut row = F64x8::default();
+                row.0[..rest.len()].copy_from_slice(&numbers[n][from..]);
+                W::load(&row)
+            };
+            pull(&eight, rest, [of(0), of(1), of(2)], vertices, forces);
         }
     }
 
@@ -126,6 +121,43 @@ impl Springs {
             .zip(&self.stiffness)
             .map(|(tension, stiffness)| 0.5 * tension * tension / stiffness)
             .sum()
+    }
+}
+
+/// Eight numbers of a list.
+#[inline(always)]
+fn row(numbers: &[f64]) -> F64x8 {
+    let mut row = F64x8::default();
+    row.0.copy_from_slice(numbers);
+    row
+}
+
+/// Adds the forces of eight edges, with their rest lengths, stiffness and damping, to the ends of those in `real`.
+#[inline(always)]
+fn pull<W: Lane<Row = F64x8, Scalar = f64>>(
+    eight: &[[u32; 2]; 8],
+    real: &[[u32; 2]],
+    [rest_length, stiffness, damping]: [W; 3],
+    vertices: &[F64x8],
+    forces: &mut [[f64; 3]],
+) {
+    let part = |end: usize, half: usize| -> Vec3<W> {
+        Vec3::gathered(|e| vertices[eight[e][end] as usize].halves()[half])
+    };
+    let along = part(1, 0) - part(0, 0);
+    // Not fused, as rest lengths are not: a sheet at rest pulls nowhere.
+    let square = along.x * along.x + along.y * along.y + along.z * along.z;
+    let length = square.sqrt();
+    let inverse = (W::constant(1.0) / length).keep(W::constant(0.0).lt(length));
+    let closing = (part(1, 1) - part(0, 1)).dot(along) * inverse;
+    let tension = stiffness * (length - rest_length) + damping * closing;
+    let mut pulls = Vec3::default();
+    along.scale(tension * inverse).store(&mut pulls);
+    for (e, &[i, j]) in real.iter().enumerate() {
+        let pull = pulls.lane(e);
+        let (i, j) = (i as usize, j as usize);
+        forces[i] = plain::add(forces[i], pull);
+        forces[j] = plain::sub(forces[j], pull);
     }
 }
 

@@ -42,6 +42,8 @@ pub(super) struct Topology {
     pub(super) fans: Lists,
     /// The triangle over each side.
     pub(super) over_sides: Vec<[Option<u32>; 3]>,
+    /// Whether every edge has two triangles.
+    pub(super) closed: bool,
 }
 
 /// One side of one triangle; the order of the fields sorts the sides of one edge together.
@@ -81,6 +83,7 @@ impl Topology {
         }
         let fans = fans(triangles, vertices)?;
         Ok(Self {
+            closed: edge_triangles.iter().flatten().all(Option::is_some),
             over_sides: over_sides(&sides, &edge_triangles),
             edges,
             edge_triangles,

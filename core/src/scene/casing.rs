@@ -21,7 +21,7 @@ use crate::grains::Grains;
 use crate::lanes::{F64x1, F64x8, Kernel, Lane, Row, VectorWidth, dispatch};
 use crate::material::Material;
 use crate::math::plain;
-use crate::membrane::{Membrane, record};
+use crate::membrane::Membrane;
 use crate::wall::press::{Plane, Rod, VertexBall};
 use near::Near;
 use push::Pending;
@@ -97,7 +97,7 @@ pub struct Casing {
     near: Near,
     /// Where the vertices were at the last renewal.
     built: Vec<[f64; 3]>,
-    sheet: Sheet,
+    balls: Vec<sheet::Ball>,
     reaches: Vec<Reach>,
     finder: Finder,
     pending: Vec<Pending>,
@@ -176,10 +176,12 @@ impl Casing {
     #[inline(always)]
     fn find<W: Lane<Row = F64x8, Scalar = f64>>(&mut self, grains: &Grains<F64x1>) {
         let mesh = self.membrane.mesh();
-        self.sheet.note_grains(grains);
-        self.sheet
-            .note_triangles::<W>(mesh.triangles(), self.membrane.vertices());
-        reach::find::<W>(&self.sheet, self.near.pairs(), &mut self.reaches);
+        sheet::note(grains, &mut self.balls);
+        let sheet = Sheet {
+            faces: self.membrane.faces(),
+            balls: &self.balls,
+        };
+        reach::find::<W>(sheet, self.near.pairs(), &mut self.reaches);
         self.finder.clear();
         let mut held = self.held.as_slice();
         for reaches in self.reaches.chunk_by(|a, b| a.pair[0] == b.pair[0]) {
@@ -188,10 +190,10 @@ impl Casing {
             let touched = |t: u32| of_grain.iter().any(|h| mesh.are_neighbors(h.triangle, t));
             let ball = Ball {
                 grain,
-                radius: self.sheet.balls[grain as usize][3],
+                radius: self.balls[grain as usize][3],
                 touched: &touched,
             };
-            self.finder.add(mesh, &self.sheet, &ball, reaches);
+            self.finder.add(mesh, sheet, &ball, reaches);
         }
     }
 
@@ -317,12 +319,12 @@ impl Kernel<F64x8> for Look<'_> {
 
     #[inline(always)]
     fn run<W: Lane<Row = F64x8, Scalar = f64>>(self) {
-        self.casing.membrane.begin_step();
+        self.casing.membrane.note::<W>();
         self.casing.find::<W>(self.grains);
     }
 }
 
-/// Notes the triangles between two steps.
+/// Takes note of all faces between two steps.
 struct Note<'a> {
     casing: &'a mut Casing,
 }
@@ -332,12 +334,7 @@ impl Kernel<F64x8> for Note<'_> {
 
     #[inline(always)]
     fn run<W: Lane<Row = F64x8, Scalar = f64>>(self) {
-        let mesh = self.casing.membrane.mesh();
-        let still = |&place: &[f64; 3]| record(place, [0.0; 3]);
-        let vertices: Vec<F64x8> = mesh.positions().iter().map(still).collect();
-        self.casing
-            .sheet
-            .note_triangles::<W>(mesh.triangles(), &vertices);
+        self.casing.membrane.note::<W>();
     }
 }
 
@@ -346,9 +343,13 @@ impl Surroundings for Casing {
 
     fn renew<R: Row>(&mut self, grains: &Grains<R>, skin: f64, width: VectorWidth) {
         dispatch::<F64x8, _>(width, Note { casing: self });
-        self.sheet.note_grains(grains);
+        sheet::note(grains, &mut self.balls);
         let mesh = self.membrane.mesh();
-        self.near.search(&self.sheet, mesh, skin, width);
+        let sheet = Sheet {
+            faces: self.membrane.faces(),
+            balls: &self.balls,
+        };
+        self.near.search(sheet, mesh, skin, width);
         self.built.clear();
         self.built.extend_from_slice(mesh.positions());
     }

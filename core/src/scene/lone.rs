@@ -7,10 +7,12 @@
 mod eight;
 mod records;
 
+use std::marker::PhantomData;
+
 use crate::contact::{Components, TangentialLaw};
 use crate::force::AffineRate;
 use crate::grains::Grains;
-use crate::lanes::{F64x1, F64x8, Kernel, Lane, Mask};
+use crate::lanes::{F64x1, F64x8, Kernel, Lane, Mask, dispatch};
 use crate::math::Vec3;
 use crate::wall::{MAX_LANES, WALLS, Walls};
 
@@ -22,43 +24,112 @@ use super::contacts::{Candidate, Contacts};
 use super::interact::{Constants, branch, geometry, interact};
 use super::motion::{Fastest, Load, MotionConstants, RowGrain, advance, push_of_wall};
 use super::surroundings::{OnGrains, Surroundings};
-use super::{Physics, Scene};
+use super::{Laws, Physics, Scene};
 
 /// Lanes.
 const WIDE: usize = 8;
 
-/// The whole step; returns how far anything can have moved.
-pub(super) struct LoneStep<'a, P: Physics> {
-    pub(super) scene: &'a mut Scene<F64x1, P>,
+/// Takes the whole step; returns how far anything can have moved.
+///
+/// Grains act on each other while their surroundings act on them, on two threads where the caller's pool has them:
+/// neither reads what the other writes.
+pub(super) fn step<P: Physics>(scene: &mut Scene<F64x1, P>) -> f64 {
+    let Scene {
+        laws,
+        grains,
+        walls,
+        contacts,
+        affine,
+        work,
+        surroundings,
+        ..
+    } = scene;
+    let (width, time_step) = (laws.width, laws.time_step);
+    let written = Written::<P> {
+        grains,
+        work,
+        physics: PhantomData,
+    };
+    dispatch::<F64x8, _>(width, written);
+    let pairs = Pairs {
+        laws,
+        contacts,
+        work,
+    };
+    let grains_act = || dispatch::<F64x8, _>(width, pairs);
+    let mut surroundings_act = || surroundings.act(grains, time_step, width);
+    if size_of::<P::Surroundings>() > 0 && rayon::current_thread_index().is_some() {
+        rayon::join(grains_act, surroundings_act);
+    } else {
+        grains_act();
+        surroundings_act();
+    }
+    let motion = MotionConstants::<F64x1>::new(laws);
+    push_of_walls::<P>(&motion, grains, contacts, walls, &mut work.loads);
+    surroundings.push_grains(&mut OnGrains(&mut work.loads));
+    let moved = Moved {
+        laws,
+        grains,
+        walls,
+        affine,
+        work,
+    };
+    let swept = dispatch::<F64x8, _>(width, moved);
+    let around = surroundings.advance(time_step);
+    // Not `max`: what is not a number must stay.
+    if around <= swept { swept } else { around }
+}
+/// Writes the records of all grains.
+struct Written<'a, P> {
+    grains: &'a Grains<F64x1>,
+    work: &'a mut Records,
+    physics: PhantomData<P>,
 }
 
-impl<P: Physics> Kernel<F64x8> for LoneStep<'_, P> {
+impl<P: Physics> Kernel<F64x8> for Written<'_, P> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<W: Lane<Row = F64x8, Scalar = f64>>(self) {
+        self.work.write::<W, P>(self.grains);
+    }
+}
+
+/// Adds the forces of all pairs of grains.
+struct Pairs<'a, P: Physics> {
+    laws: &'a Laws<P>,
+    contacts: &'a mut Contacts<F64x1, P::Tangential>,
+    work: &'a mut Records,
+}
+
+impl<P: Physics> Kernel<F64x8> for Pairs<'_, P> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<W: Lane<Row = F64x8, Scalar = f64>>(self) {
+        let constants = Constants::<W, P::Tangential>::new(self.laws);
+        interact_all::<W, P>(&constants, self.work, self.contacts);
+    }
+}
+
+/// Moves all grains; returns how far any of them, or a wall, can have moved.
+struct Moved<'a, P: Physics> {
+    laws: &'a Laws<P>,
+    grains: &'a mut Grains<F64x1>,
+    walls: &'a Walls<F64x1>,
+    affine: &'a AffineRate<F64x1>,
+    work: &'a Records,
+}
+
+impl<P: Physics> Kernel<F64x8> for Moved<'_, P> {
     type Output = f64;
 
     #[inline(always)]
     fn run<W: Lane<Row = F64x8, Scalar = f64>>(self) -> f64 {
-        let Scene {
-            laws,
-            grains,
-            walls,
-            contacts,
-            affine,
-            work,
-            surroundings,
-            ..
-        } = self.scene;
-        work.write::<W, P>(grains);
-        let constants = Constants::<W, P::Tangential>::new(laws);
-        interact_all::<W, P>(&constants, work, contacts);
-        let motion = MotionConstants::<F64x1>::new(laws);
-        push_of_walls::<P>(&motion, grains, contacts, walls, &mut work.loads);
-        let mut on = OnGrains(&mut work.loads);
-        surroundings.act(grains, laws.time_step, laws.width);
-        surroundings.push_grains(&mut on);
-
+        let Self { laws, grains, .. } = self;
         let motion = MotionConstants::<W>::new(laws);
         let affine = AffineRate {
-            rate: everywhere(&affine.rate),
+            rate: everywhere(&self.affine.rate),
         };
         let mut fastest = Fastest::none();
         for first in (0..grains.len()).step_by(WIDE) {
@@ -68,16 +139,13 @@ impl<P: Physics> Kernel<F64x8> for LoneStep<'_, P> {
                 &motion.sized::<P>(|of| eight.numbers(|i| of(&grains.sizes[i]))),
                 (&laws.body_force, &affine),
                 [position.x, position.y, position.z],
-                &work.load::<W, P>(eight),
+                &self.work.load::<W, P>(eight),
                 eight.load::<W, P>(grains),
                 &mut fastest,
             );
             eight.store::<W, P>(moved, grains);
         }
-        let swept = fastest.swept(laws, walls);
-        let around = surroundings.advance(laws.time_step);
-        // Not `max`: what is not a number must stay.
-        if around <= swept { swept } else { around }
+        fastest.swept(laws, self.walls)
     }
 }
 

@@ -24,7 +24,7 @@ impl Near {
     }
 
     /// Finds all pairs that are nearer than the grain's radius and `skin`.
-    pub(super) fn search(&mut self, sheet: &Sheet, mesh: &Mesh, skin: f64, width: VectorWidth) {
+    pub(super) fn search(&mut self, sheet: Sheet<'_>, mesh: &Mesh, skin: f64, width: VectorWidth) {
         self.found.clear();
         self.centers.clear();
         self.centers
@@ -83,7 +83,7 @@ impl Near {
 
 /// Keeps the pairs that are nearer than the grain's radius and `skin`.
 struct Nearer<'a> {
-    sheet: &'a Sheet,
+    sheet: Sheet<'a>,
     skin: f64,
     pairs: &'a mut Vec<Pair>,
 }

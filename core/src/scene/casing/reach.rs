@@ -44,7 +44,7 @@ impl Reach {
 /// Finds the places where grains of `pairs` reach their triangles, in the order of the pairs.
 #[inline(always)]
 pub(super) fn find<W: Lane<Row = F64x8, Scalar = f64>>(
-    sheet: &Sheet,
+    sheet: Sheet<'_>,
     pairs: &[Pair],
     found: &mut Vec<Reach>,
 ) {

@@ -1,78 +1,34 @@
-//! The membrane's triangles and the grains as records of the running step, and the feet of grains on triangles.
+//! Grains before triangles, as they are in the running step.
 
 use super::foot::{Foot, foot};
 use crate::grains::Grains;
 use crate::lanes::{F64x8, Lane, Row};
 use crate::math::Vec3;
-
-/// A triangle where it is now, in two lines of the cache.
-///
-/// Its corners and its unit normal, outward; beside each corner the height over the side that is opposite to it.
-pub(super) type Face = [F64x8; 2];
+use crate::membrane::Face;
 
 /// A grain: where its center is, and its radius.
 pub(super) type Ball = [f64; 4];
 
-/// Triangles and grains as they are in one step; keeps its memory.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Sheet {
-    pub(super) faces: Vec<Face>,
-    pub(super) balls: Vec<Ball>,
-}
-
 /// A grain and a triangle.
 pub(super) type Pair = [u32; 2];
 
-impl Sheet {
-    /// Takes note of where all grains are.
-    pub(super) fn note_grains<R: Row>(&mut self, grains: &Grains<R>) {
-        self.balls.clear();
-        self.balls.extend((0..grains.len()).map(|i| {
-            let [x, y, z] = grains.pose(i, 0).position;
-            [x, y, z, grains.radius(i)]
-        }));
-    }
+/// Triangles and grains as they are in one step.
+#[derive(Clone, Copy)]
+pub(super) struct Sheet<'a> {
+    pub(super) faces: &'a [Face],
+    pub(super) balls: &'a [Ball],
+}
 
-    /// Takes note of where all `triangles` are; one without area has no normal, and touches nothing.
-    #[inline(always)]
-    pub(super) fn note_triangles<W: Lane<Row = F64x8, Scalar = f64>>(
-        &mut self,
-        triangles: &[[u32; 3]],
-        vertices: &[F64x8],
-    ) {
-        self.faces.clear();
-        let last = triangles.len().saturating_sub(1);
-        for first in (0..triangles.len()).step_by(W::K) {
-            let corner = |e: usize, k: usize| triangles[(first + e).min(last)][k] as usize;
-            let at = |k: usize| Vec3::<W>::gathered(|e| vertices[corner(e, k)].halves()[0]);
-            let (a, b, c) = (at(0), at(1), at(2));
-            let area = (b - a).cross(c - a);
-            let doubled = area.dot(area).sqrt();
-            let outward = area.scale(W::constant(1.0) / doubled);
-            let over = |side: Vec3<W>| doubled / side.dot(side).sqrt();
-            let (over_a, over_b, over_c) = (over(c - b), over(a - c), over(b - a));
-            let lines = [
-                W::transposed([a.x, a.y, a.z, over_a, b.x, b.y, b.z, over_b]),
-                W::transposed([
-                    c.x,
-                    c.y,
-                    c.z,
-                    over_c,
-                    outward.x,
-                    outward.y,
-                    outward.z,
-                    W::constant(0.0),
-                ]),
-            ];
-            for e in 0..W::K.min(triangles.len() - first) {
-                let mut face = Face::default();
-                lines[0][e].store(&mut face[0]);
-                lines[1][e].store(&mut face[1]);
-                self.faces.push(face);
-            }
-        }
-    }
+/// Takes note of where all grains are.
+pub(super) fn note<R: Row>(grains: &Grains<R>, balls: &mut Vec<Ball>) {
+    balls.clear();
+    balls.extend((0..grains.len()).map(|i| {
+        let [x, y, z] = grains.pose(i, 0).position;
+        [x, y, z, grains.radius(i)]
+    }));
+}
 
+impl Sheet<'_> {
     /// Unit normal of triangle `t`.
     pub(super) fn outward(&self, t: u32) -> [f64; 3] {
         let &[x, y, z, _] = self.faces[t as usize][1].halves()[1];

@@ -61,22 +61,21 @@ fn patch(fold: f64) -> Mesh {
 /// Where a grain that did or did not touch before touches `mesh`, whichever triangles it is near.
 fn find_after(mesh: &Mesh, center: [f64; 3], radius: f64, touched: bool) -> Finder {
     let [x, y, z] = center;
-    let mut sheet = Sheet {
-        balls: vec![[x, y, z, radius]],
-        ..Sheet::default()
+    let mut membrane = Membrane::new(mesh.clone(), &SKIN).expect("a sheet");
+    membrane.note::<F64x8>();
+    let sheet = Sheet {
+        faces: membrane.faces(),
+        balls: &[[x, y, z, radius]],
     };
-    let still = |&place: &[f64; 3]| record(place, [0.0; 3]);
-    let vertices: Vec<F64x8> = mesh.positions().iter().map(still).collect();
-    sheet.note_triangles::<F64x8>(mesh.triangles(), &vertices);
     let all: Vec<[u32; 2]> = (0..mesh.triangles().len() as u32).map(|t| [0, t]).collect();
     let (mut reaches, mut finder) = (vec![], Finder::default());
-    reach::find::<F64x8>(&sheet, &all, &mut reaches);
+    reach::find::<F64x8>(sheet, &all, &mut reaches);
     let ball = Ball {
         grain: 0,
         radius,
         touched: &|_| touched,
     };
-    finder.add(mesh, &sheet, &ball, &reaches);
+    finder.add(mesh, sheet, &ball, &reaches);
     finder
 }
 

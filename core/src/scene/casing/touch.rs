@@ -18,11 +18,17 @@ use crate::membrane::Mesh;
 /// cos 30°.
 const ALIKE: f64 = 0.866_025_403_784_438_6;
 
+/// Marks of places, before they have groups.
+const KEPT: usize = 0;
+const DROPPED: usize = 1;
+
 /// A place where the grain at hand reaches the membrane, before places are merged.
 #[derive(Clone, Copy, Debug)]
 struct Place {
     triangle: u32,
     part: Part,
+    /// The edge or the vertex that it is on; none of a face.
+    on: Option<Meeting>,
     weights: [f64; 3],
     /// From the membrane into the grain.
     normal: [f64; 3],
@@ -70,7 +76,6 @@ pub(super) struct Ball<'a> {
 pub(super) struct Finder {
     /// Of the grain at hand.
     places: Vec<Place>,
-    minima: Vec<Place>,
     /// All contacts so far.
     pub(super) touches: Vec<Touch>,
     /// Their shares, one contact's after the other's; a contact's sum to one.
@@ -86,7 +91,13 @@ impl Finder {
 
     /// Adds the contacts of `ball`, which reaches the membrane at `reaches`.
     #[inline(always)]
-    pub(super) fn add(&mut self, mesh: &Mesh, sheet: &Sheet, ball: &Ball<'_>, reaches: &[Reach]) {
+    pub(super) fn add(
+        &mut self,
+        mesh: &Mesh,
+        sheet: Sheet<'_>,
+        ball: &Ball<'_>,
+        reaches: &[Reach],
+    ) {
         match reaches {
             [only] if only.height > 0.0 && only.part() == Part::Face => {
                 self.add_face(mesh, ball, only);
@@ -120,12 +131,12 @@ impl Finder {
         }));
     }
 
-    fn add_all(&mut self, mesh: &Mesh, sheet: &Sheet, ball: &Ball<'_>, reaches: &[Reach]) {
+    fn add_all(&mut self, mesh: &Mesh, sheet: Sheet<'_>, ball: &Ball<'_>, reaches: &[Reach]) {
         self.places.clear();
         // Where the grain is inside of all planes, it is inside of the sheet.
         let inside = reaches.iter().all(|reach| reach.height > 0.0);
         for reach in reaches {
-            let place = place(ball, reach);
+            let place = place(mesh, ball, reach);
             if inside {
                 self.places.push(place);
             } else {
@@ -161,25 +172,22 @@ impl Finder {
 
     /// Drops every foot that is no local minimum; if rounding leaves none, the deepest stays.
     fn keep_minima(&mut self, mesh: &Mesh) {
-        let minimal = |k: usize| {
-            let place = &self.places[k];
-            let Some((meeting, triangles)) = meeting(mesh, place) else {
-                return true;
-            };
-            let there = |other: &Place| on(mesh, other).is_some_and(|at| at == meeting);
-            !self.places[..k].iter().any(there)
-                && 1 + self.places[k + 1..].iter().filter(|o| there(o)).count() == triangles
-        };
         let deeper = |a: Place, b: &Place| if b.overlap > a.overlap { *b } else { a };
         let deepest = self.places.iter().fold(self.places[0], deeper);
-        let mut minima = std::mem::take(&mut self.minima);
-        minima.clear();
-        minima.extend(
-            (0..self.places.len())
-                .filter(|&k| minimal(k))
-                .map(|k| self.places[k]),
-        );
-        self.minima = std::mem::replace(&mut self.places, minima);
+        // Nowhere on a closed mesh does a triangle meet none.
+        let closed = mesh.is_closed();
+        for k in 0..self.places.len() {
+            let Some(meeting) = self.places[k].on else {
+                self.places[k].group = KEPT;
+                continue;
+            };
+            let there = |other: &Place| other.on == Some(meeting);
+            let first = !self.places[..k].iter().any(there);
+            let found = self.places[k..].iter().filter(|other| there(other)).count();
+            let minimal = first && (found > 1 || !closed) && found == meeting.triangles(mesh);
+            self.places[k].group = if minimal { KEPT } else { DROPPED };
+        }
+        self.places.retain(|place| place.group == KEPT);
         if self.places.is_empty() {
             self.places.push(deepest);
         }
@@ -256,10 +264,12 @@ impl Finder {
 }
 
 /// A reach as a place.
-fn place(ball: &Ball<'_>, reach: &Reach) -> Place {
+fn place(mesh: &Mesh, ball: &Ball<'_>, reach: &Reach) -> Place {
+    let (triangle, part) = (reach.pair[1], reach.part());
     Place {
-        triangle: reach.pair[1],
-        part: reach.part(),
+        triangle,
+        part,
+        on: Meeting::of(mesh, triangle, part),
         weights: reach.weights(),
         normal: reach.normal(),
         overlap: ball.radius - reach.depth(),
@@ -271,7 +281,7 @@ fn place(ball: &Ball<'_>, reach: &Reach) -> Place {
 /// The place seen from the side of the sheet that the center is on; none if that is the outside, and it did not touch before.
 fn sided(
     mesh: &Mesh,
-    sheet: &Sheet,
+    sheet: Sheet<'_>,
     ball: &Ball<'_>,
     mut place: Place,
     reach: &Reach,
@@ -296,33 +306,30 @@ enum Meeting {
     Vertex(u32),
 }
 
-/// The edge or vertex that a place is on; none for a face.
-fn on(mesh: &Mesh, place: &Place) -> Option<Meeting> {
-    match place.part {
-        Part::Face => None,
-        Part::Side(s) => Some(Meeting::Edge(mesh.sides(place.triangle)[s])),
-        Part::Corner(c) => {
-            let vertex = mesh.triangles()[place.triangle as usize][c];
-            Some(Meeting::Vertex(vertex))
+impl Meeting {
+    /// Where `part` of triangle `t` lies.
+    fn of(mesh: &Mesh, t: u32, part: Part) -> Option<Self> {
+        match part {
+            Part::Face => None,
+            Part::Side(s) => Some(Self::Edge(mesh.sides(t)[s])),
+            Part::Corner(c) => Some(Self::Vertex(mesh.triangles()[t as usize][c])),
+        }
+    }
+
+    /// How many triangles meet there.
+    fn triangles(self, mesh: &Mesh) -> usize {
+        match self {
+            Self::Edge(edge) => mesh.edge_triangles()[edge as usize]
+                .iter()
+                .flatten()
+                .count(),
+            Self::Vertex(vertex) => mesh.fan(vertex).len(),
         }
     }
 }
 
-/// The same, and how many triangles meet there.
-fn meeting(mesh: &Mesh, place: &Place) -> Option<(Meeting, usize)> {
-    let meeting = on(mesh, place)?;
-    let triangles = match meeting {
-        Meeting::Edge(edge) => mesh.edge_triangles()[edge as usize]
-            .iter()
-            .flatten()
-            .count(),
-        Meeting::Vertex(vertex) => mesh.fan(vertex).len(),
-    };
-    Some((meeting, triangles))
-}
-
 /// The sum of the outward normals of the triangles that meet at a side or corner.
-fn mean_outward(mesh: &Mesh, sheet: &Sheet, t: u32, part: Part) -> [f64; 3] {
+fn mean_outward(mesh: &Mesh, sheet: Sheet<'_>, t: u32, part: Part) -> [f64; 3] {
     match part {
         Part::Face => sheet.outward(t),
         Part::Side(s) => match mesh.over_sides(t)[s] {
