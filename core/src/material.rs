@@ -139,4 +139,19 @@ mod tests {
         assert!((si - 138_714.640_530_261_85).abs() < 1e-6, "{si}");
         assert!((units.time - 5.4772e-6).abs() < 1e-10);
     }
+
+    #[test]
+    fn moduli_are_finite_for_every_poisson_ratio_that_is_allowed() {
+        for poisson_ratio in [-0.989, -0.5, 0.0, 0.245, 0.5] {
+            let solid = Elastic {
+                youngs_modulus: 1e8,
+                poisson_ratio,
+            };
+            let pair = solid.against(solid);
+            let along = 1e8 / (2.0 * (1.0 - poisson_ratio * poisson_ratio));
+            let across = 1e8 / (4.0 * (1.0 + poisson_ratio) * (2.0 - poisson_ratio));
+            assert!((pair.modulus / along - 1.0).abs() < 1e-12);
+            assert!((pair.shear_modulus / across - 1.0).abs() < 1e-12);
+        }
+    }
 }

@@ -324,14 +324,14 @@ impl Membrane {
         self.springs.energy(&self.mesh) + self.hinges.energy(self.mesh.positions())
     }
 
-    /// What a look at the sheet finds, given the triangles' normals at the last look.
+    /// What a look at the sheet finds, given the triangles' normals now and at the last look.
     #[must_use]
-    pub fn findings(&self, normals_before: &[[f64; 3]]) -> Vec<Finding> {
+    pub fn findings(&self, normals: [&[[f64; 3]]; 2]) -> Vec<Finding> {
         let rest = Rest {
             lengths: self.springs.rest_lengths(),
             areas: &self.rest_areas,
         };
-        findings(&self.mesh, rest, normals_before)
+        findings(&self.mesh, rest, normals)
     }
 }
 

@@ -66,7 +66,7 @@ pub enum StageFailure {
     /// The physics broke down: final, and cached like an outcome.
     #[error("{kind} at step {step}: {detail}; {remedy}")]
     Stopped {
-        /// `unstable`, `non_finite`, `overlap` or `not_at_rest`.
+        /// One word: `unstable`, `non_finite`, `not_at_rest` and others (docs/beam.md).
         kind: String,
         /// The step at which it was noticed.
         step: u64,

@@ -19,6 +19,7 @@ use crate::contact::frictionless::Frictionless;
 use crate::contact::mindlin::Mindlin;
 use crate::guard::Stop;
 use crate::lanes::VectorWidth;
+use crate::math::plain;
 use crate::membrane::Mesh;
 use crate::outcome::{Outcome, Progress, StageFailure};
 use crate::wall::press::{Plane, Rod};
@@ -46,6 +47,8 @@ struct Bending {
     actual: [f64; 3],
     /// φ when bending began.
     volume_fraction: f64,
+    /// The largest pull of one support at a sample \[N\].
+    largest_pull: f64,
 }
 
 /// What a checkpoint remembers besides what moves.
@@ -287,6 +290,7 @@ impl Bench<'_> {
             record: Record::default(),
             actual: [length, height, depth],
             volume_fraction: super::probe::grain_volume(&run.beam) / volume,
+            largest_pull: 0.0,
         }))
     }
 
@@ -330,6 +334,7 @@ impl Bench<'_> {
             if bending.record.is_due(bending.drive.sample_way()) {
                 let row = Row::of(run, self.spec, bending.record.mean(run.time));
                 let row = bending.record.close(row);
+                bending.largest_pull = bending.largest_pull.max(self.pull(run));
                 bending
                     .drive
                     .follow(&row, run.time)
@@ -337,6 +342,14 @@ impl Bench<'_> {
             }
         }
         Ok(())
+    }
+
+    /// The larger pull of the two supports \[N\].
+    fn pull<T: Friction>(&self, run: &Run<T>) -> f64 {
+        let membrane = &run.beam.surroundings.membrane;
+        let [left, right] = self.places.supports.each_ref();
+        let pull = |support: &[u32]| plain::norm(membrane.reaction(support));
+        pull(left).max(pull(right))
     }
 
     fn middle_height(&self, mesh: &Mesh) -> f64 {

@@ -22,6 +22,9 @@ use crate::outcome::{Outcome, Progress, STATE, StageFailure};
 /// Beyond this the grains are crushed rather than jammed.
 const LARGEST_VOLUME_FRACTION: f64 = 0.74;
 
+/// Far more than the rounding of a sum of volumes: just the largest fraction is allowed.
+const ROUNDING: f64 = 1e-9;
+
 /// What a checkpoint remembers besides what moves.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct Header {
@@ -74,6 +77,7 @@ pub(crate) fn run(
         Snapshot::of(&run.beam, header).to_bytes()
     };
     while run.time < spec.growth_time + spec.growth_rest {
+        run.growth_rate = rate(spec, &packing, run.time);
         run.advance(progress, &save)?;
         let radii = grown(spec, &packing, run.time);
         run.beam
@@ -113,6 +117,15 @@ fn grown<'a>(
     packing.radii.iter().map(move |radius| factor * radius)
 }
 
+/// Ṙ/R at `time` \[1/s\].
+fn rate(spec: &GrowSpec, packing: &Packing, time: f64) -> f64 {
+    if time < spec.growth_time {
+        libm::log(packing.growth) / spec.growth_time
+    } else {
+        0.0
+    }
+}
+
 /// A fifth of the Rayleigh time of the smallest grain, and a thirtieth of the shortest impact: those of grains that meet
 /// as fast as they grow.
 fn longest_step(spec: &GrowSpec) -> f64 {
@@ -134,7 +147,7 @@ fn longest_step(spec: &GrowSpec) -> f64 {
 fn outcome(spec: &GrowSpec, run: &Run<Frictionless>) -> Result<Outcome, StageFailure> {
     let volume = run.beam.surroundings.membrane.mesh().volume();
     let volume_fraction = probe::grain_volume(&run.beam) / volume;
-    if volume_fraction > LARGEST_VOLUME_FRACTION {
+    if volume_fraction > LARGEST_VOLUME_FRACTION * (1.0 + ROUNDING) {
         let stop = crate::guard::Stop {
             kind: "overgrown",
             detail: format!(
@@ -144,9 +157,11 @@ fn outcome(spec: &GrowSpec, run: &Run<Frictionless>) -> Result<Outcome, StageFai
         };
         return Err(stopped(run.step, stop));
     }
+    let warnings = run.warnings("in growth");
     let past = Past {
         grow: spec.clone(),
         jam: None,
+        warnings: warnings.clone(),
     };
     let state = Snapshot::of(&run.beam, past).to_bytes();
     let results = [
@@ -158,7 +173,7 @@ fn outcome(spec: &GrowSpec, run: &Run<Frictionless>) -> Result<Outcome, StageFai
         results: BTreeMap::from(results.map(|(name, value)| (name.to_owned(), Some(value)))),
         artifacts: BTreeMap::from([(STATE.to_owned(), state)]),
         reasons: BTreeMap::new(),
-        warnings: vec![],
+        warnings,
         steps: run.step,
     })
 }

@@ -21,6 +21,9 @@ use crate::math::plain;
 use crate::outcome::{Outcome, Progress, STATE, StageFailure};
 use crate::wall::press::Plane;
 
+/// Pressure of grown grains on one another, over Δp, from which on they are not loose before they are compacted.
+const LARGEST_GROWTH_PRESSURE: f64 = 0.1;
+
 /// What a checkpoint remembers besides what moves.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct Header {
@@ -116,7 +119,8 @@ fn compacted<T: Friction>(
             return Err(not_at_rest(&run, spec.rest.longest));
         }
     }
-    Ok(outcome(spec, &state.header, &run))
+    let overgrown = pressed_by_growth::<T>(spec, &rig, &state)?;
+    Ok(outcome(spec, (&state.header, overgrown), &run))
 }
 
 /// A run that does not come to rest.
@@ -135,6 +139,27 @@ pub(super) fn velocities<T: Friction>(run: &Run<T>) -> Vec<[f64; 3]> {
     (0..grains.len())
         .map(|i| grains.motion(i, 0).velocity)
         .collect()
+}
+
+/// The warning that grown grains press on one another by more than a tenth of Δp: p = (1/3V) Σ f l, with l the branch.
+fn pressed_by_growth<T: Friction>(
+    spec: &JamSpec,
+    rig: &Rig<'_>,
+    state: &Snapshot<Past>,
+) -> Result<Option<String>, StageFailure> {
+    let beam = rig.restored::<T, _>(&still(state))?;
+    let branch =
+        |c: &probe::GrainContact| beam.grains.radius(c.i) + beam.grains.radius(c.j) - c.overlap;
+    let contacts = probe::contacts(&beam);
+    let virial: f64 = contacts.iter().map(|c| c.normal_force * branch(c)).sum();
+    let pressure = virial / (3.0 * beam.surroundings.membrane.mesh().volume());
+    let most = LARGEST_GROWTH_PRESSURE * spec.confining_pressure;
+    Ok((most > 0.0 && pressure > most).then(|| {
+        format!(
+            "growth_overshoot: grown grains press on one another by {pressure:.1e} Pa, more than a tenth of the \
+             confining pressure: use a smaller initial_volume_fraction or a longer growth_time"
+        )
+    }))
 }
 
 /// The state with everything at rest: what growth stirred up has no part in compaction.
@@ -176,7 +201,11 @@ fn follow(spec: &JamSpec, walls: &mut [Plane]) {
     }
 }
 
-fn outcome<T: Friction>(spec: &JamSpec, past: &Past, run: &Run<T>) -> Outcome {
+fn outcome<T: Friction>(
+    spec: &JamSpec,
+    (past, overgrown): (&Past, Option<String>),
+    run: &Run<T>,
+) -> Outcome {
     let mesh = run.beam.surroundings.membrane.mesh();
     let [low, high] = mesh.bounds();
     let [length, depth, height] = plain::sub(high, low);
@@ -198,9 +227,13 @@ fn outcome<T: Friction>(spec: &JamSpec, past: &Past, run: &Run<T>) -> Outcome {
         ("actual_depth", Some(depth)),
         ("critical_time_step", Some(run.critical)),
     ];
+    let earlier = past.warnings.iter().cloned();
+    let own = run.warnings("in compaction");
+    let warnings: Vec<String> = earlier.chain(overgrown).chain(own).collect();
     let past = Past {
+        grow: past.grow.clone(),
         jam: Some(spec.clone()),
-        ..past.clone()
+        warnings: warnings.clone(),
     };
     let state = Snapshot::of(&run.beam, past).to_bytes();
     Outcome {
@@ -210,7 +243,7 @@ fn outcome<T: Friction>(spec: &JamSpec, past: &Past, run: &Run<T>) -> Outcome {
             .collect(),
         artifacts: BTreeMap::from([(STATE.to_owned(), state)]),
         reasons: BTreeMap::new(),
-        warnings: vec![],
+        warnings,
         steps: run.step,
     }
 }

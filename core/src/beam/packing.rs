@@ -94,11 +94,30 @@ struct Places {
     tries: u64,
 }
 
+/// How many cells of at least `width` there are along each side: not many more in all than `grains`, however far apart they are.
+fn cells(sides: [f64; 3], width: f64, grains: usize) -> [usize; 3] {
+    if grains == 0 {
+        return [1; 3];
+    }
+    let most = 4 * grains;
+    let mut width = width;
+    loop {
+        let count = sides.map(|side| ((side / width) as usize).max(1));
+        let all = count
+            .iter()
+            .try_fold(1, |all: usize, &n| all.checked_mul(n));
+        if all.is_some_and(|all| all <= most) {
+            return count;
+        }
+        width *= 1.26;
+    }
+}
+
 impl Places {
     fn new(spec: &GrowSpec, radii: &[f64]) -> Self {
         let largest = radii.iter().fold(0.0, |most: f64, &r| most.max(r));
         let sides = [spec.length, spec.depth, spec.height];
-        let count = sides.map(|side| ((side / (2.0 * largest)) as usize).clamp(1, 1000));
+        let count = cells(sides, 2.0 * largest, radii.len());
         Self {
             centers: vec![],
             radii: vec![],
@@ -181,6 +200,16 @@ mod tests {
                 assert!(plain::norm(plain::sub(a, b)) > ra + rb);
             }
         }
+    }
+
+    /// Without grains the cells were as narrow as nothing, and there were 10⁹ of them.
+    #[test]
+    fn there_are_not_many_more_cells_than_grains() {
+        let sides = [0.4, 0.08, 0.04];
+        assert_eq!(cells(sides, 0.0, 0), [1; 3]);
+        assert_eq!(cells(sides, 1e-6, 1).iter().product::<usize>(), 4);
+        // As wide as the grains where these fill the mold.
+        assert_eq!(cells(sides, 0.0035, 11_744), [114, 22, 11]);
     }
 
     #[test]

@@ -141,7 +141,7 @@ pub(super) fn energies<T: Friction>(beam: &Beam<T>, contacts: &[GrainContact]) -
 /// Mean force between grains \[N\]; zero if none touch.
 pub(super) fn mean_force(contacts: &[GrainContact]) -> f64 {
     let force = |c: &GrainContact| libm::hypot(c.normal_force, c.tangential_force);
-    contacts.iter().map(force).sum::<f64>() / contacts.len().max(1) as f64
+    contacts.iter().map(force).fold(0.0, |sum, f| sum + f) / contacts.len().max(1) as f64
 }
 
 /// Mean net force on a grain \[N\], from its velocities before the last step.
@@ -161,5 +161,5 @@ pub(super) fn grain_volume<T: Friction>(beam: &Beam<T>) -> f64 {
         .sizes()
         .iter()
         .map(|size| volume(size.radius))
-        .sum()
+        .fold(0.0, |sum, volume| sum + volume)
 }

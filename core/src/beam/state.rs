@@ -12,13 +12,16 @@ use crate::scene::casing::Held;
 use crate::scene::history_components;
 use crate::state_file::{Reader, Remembered, Writer, read_header};
 
-/// The specs that led to a state.
+/// What led to a state.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Past {
     /// How the grains were grown.
     pub(crate) grow: GrowSpec,
     /// How they were compacted, if they were.
     pub(crate) jam: Option<JamSpec>,
+    /// What a reader of the numbers should know of it: the outcome of the last stage says it too.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub(crate) warnings: Vec<String>,
 }
 
 /// Everything that moves, exactly.

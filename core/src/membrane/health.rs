@@ -64,15 +64,14 @@ pub struct Rest<'a> {
     pub areas: &'a [f64],
 }
 
-/// What is wrong with `mesh`, given the triangles' normals at the last look: edges, triangles, folds, each in order.
+/// What is wrong with `mesh`, given the triangles' normals now and at the last look: edges, triangles, folds, each in order.
 ///
 /// Sizes that are not a number are findings too.
 #[must_use]
-pub fn findings(mesh: &Mesh, rest: Rest<'_>, normals_before: &[[f64; 3]]) -> Vec<Finding> {
-    let normals: Vec<_> = mesh.normals().collect();
+pub fn findings(mesh: &Mesh, rest: Rest<'_>, [now, before]: [&[[f64; 3]]; 2]) -> Vec<Finding> {
     let mut found = short_edges(mesh, rest.lengths);
-    found.extend(lost_triangles(mesh, rest.areas, &normals, normals_before));
-    found.extend(sharp_folds(mesh, &normals));
+    found.extend(lost_triangles(mesh, rest.areas, [now, before]));
+    found.extend(sharp_folds(mesh, now));
     found
 }
 
@@ -93,14 +92,9 @@ fn short_edges(mesh: &Mesh, rest: &[f64]) -> Vec<Finding> {
         .collect()
 }
 
-fn lost_triangles(
-    mesh: &Mesh,
-    rest: &[f64],
-    normals: &[[f64; 3]],
-    before: &[[f64; 3]],
-) -> Vec<Finding> {
+fn lost_triangles(mesh: &Mesh, rest: &[f64], [now, before]: [&[[f64; 3]]; 2]) -> Vec<Finding> {
     let ratios = mesh.areas().zip(rest).map(|(now, rest)| now / rest);
-    let turns = normals.iter().zip(before).map(|(&a, &b)| plain::dot(a, b));
+    let turns = now.iter().zip(before).map(|(&a, &b)| plain::dot(a, b));
     let lost = |((triangle, ratio), cosine): ((u32, f64), f64)| {
         if ratio < COLLAPSED_AREA || ratio.is_nan() {
             Some(Finding::Collapsed { triangle, ratio })
@@ -136,8 +130,8 @@ mod tests {
             lengths: &lengths,
             areas: &areas,
         };
-        let normals: Vec<_> = mesh.normals().collect();
-        findings(moved, rest, &normals)
+        let [before, now] = [mesh, moved].map(|mesh| mesh.normals().collect::<Vec<_>>());
+        findings(moved, rest, [&now, &before])
     }
 
     #[test]

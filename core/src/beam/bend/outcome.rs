@@ -93,12 +93,16 @@ pub(super) fn outcome<T: Friction>(bench: &Bench<'_>, run: &Run<T>, bending: &Be
         })
         .collect();
     let mut table = Table::default();
-    let mut warnings = vec![];
+    let mut warnings = bench.past.warnings.clone();
     let frequency = controls(bench, rows, &dimensions.nominal, zero, &mut table);
     strengths(&samples, &dimensions, &mut table);
     periods(bench, &samples, &dimensions.nominal, frequency, &mut table);
     state(bench, run, bending, rows, &mut table);
-    warn(&table, rows, bench, &mut warnings);
+    warn(&table, rows, &mut warnings);
+    warnings.extend(run.warnings("in the test"));
+    let grow = &bench.past.grow;
+    let most = grow.membrane_youngs_modulus * bench.jam.membrane_thickness * grow.depth;
+    warnings.extend(overloaded(bending.largest_pull, most));
     let history = history(rows, &samples, dimensions);
     Outcome {
         results: table.results,
@@ -318,7 +322,7 @@ fn state<T: Friction>(
 }
 
 /// What a reader should know before believing a number.
-fn warn(table: &Table, rows: &[Row], bench: &Bench<'_>, warnings: &mut Vec<String>) {
+fn warn(table: &Table, rows: &[Row], warnings: &mut Vec<String>) {
     let above = |name: &str, most: f64| table.results[name].filter(|value| *value > most);
     if let Some(value) = above("imbalance_max", LARGEST_IMBALANCE) {
         warnings.push(format!(
@@ -342,11 +346,15 @@ fn warn(table: &Table, rows: &[Row], bench: &Bench<'_>, warnings: &mut Vec<Strin
             "hertz_out_of_range: grains overlap by {overlap:.2} of a radius on average"
         ));
     }
-    if let Some(value) = above("largest_overlap", bench.spec.overlap.warning) {
-        warnings.push(format!(
-            "two grains overlap by {value:.2} of the smaller radius"
-        ));
-    }
+}
+
+/// The warning that a support pulls by more than `most`, E_m t_m d, which would stretch a membrane to twice its length.
+fn overloaded(pull: f64, most: f64) -> Option<String> {
+    (pull > most).then(|| {
+        format!(
+            "support_overload: a support pulls by {pull:.2e} N, more than E_m t_m d = {most:.2e} N"
+        )
+    })
 }
 
 fn history(rows: &[Row], samples: &[Sample], dimensions: ByDimensions<Dimensions>) -> History {
@@ -372,5 +380,17 @@ fn history(rows: &[Row], samples: &[Sample], dimensions: ByDimensions<Dimensions
         mean_normal_force: column(|row| row.mean_normal_force),
         mean_tangential_force: column(|row| row.mean_tangential_force),
         coulomb_fraction: rows.iter().map(|row| row.coulomb_fraction).collect(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn supports_that_are_torn_at_are_warned_about() {
+        assert_eq!(overloaded(10.8, 10.8), None);
+        let warning = overloaded(10.9, 10.8).expect("a warning");
+        assert!(warning.starts_with("support_overload: a support pulls by 1.09e1 N"));
     }
 }

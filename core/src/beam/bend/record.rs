@@ -99,7 +99,7 @@ impl Row {
         let grains = &run.beam.grains;
         let count = contacts.len();
         let mean = |value: &dyn Fn(&probe::GrainContact) -> f64| {
-            contacts.iter().map(value).sum::<f64>() / count.max(1) as f64
+            contacts.iter().map(value).fold(0.0, |sum, x| sum + x) / count.max(1) as f64
         };
         let mu = spec.friction_coefficient;
         let limited = |c: &probe::GrainContact| {

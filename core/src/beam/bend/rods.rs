@@ -146,3 +146,6 @@ impl Drive {
         self.since = time;
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,5 +1,5 @@
 use super::*;
-use crate::lanes::F64x1;
+use crate::lanes::{F64x1, F64x8};
 use crate::material::Elastic;
 
 const SOLID: Elastic = Elastic {
@@ -87,4 +87,63 @@ fn contact_without_normal_force_does_not_pull_and_forgets() {
         assert!(pull.iter().all(|f| f.abs() < f64::MIN_POSITIVE), "{pull:?}");
         assert!(history[0].0[0].abs() < f64::MIN_POSITIVE);
     }
+}
+
+#[test]
+fn contact_at_rest_does_not_pull_whatever_its_neighbors_in_the_vector_do() {
+    // A lane at rest, one that slips, one whose overlap is below zero and not used.
+    let law = law(TangentialStiffness::Paper, 0.3);
+    let row = |numbers: [f64; 3]| {
+        let [a, b, c] = numbers;
+        F64x8([a, b, c, 0.0, 0.0, 0.0, 0.0, 0.0])
+    };
+    let zero = F64x8([0.0; 8]);
+    let still = Vec3 {
+        x: zero,
+        y: zero,
+        z: zero,
+    };
+    let contact = Contact {
+        normal: Vec3 {
+            z: F64x8([1.0; 8]),
+            ..still
+        },
+        sliding_velocity: Vec3 {
+            x: row([0.0, 0.3, 0.1]),
+            ..still
+        },
+        root_overlap: row([1e-4, 1e-4, f64::NAN]),
+        reduced_mass: F64x8([4e-5; 8]),
+        normal_force: row([10.0, 0.02, 0.0]),
+        time_step: F64x8([1e-5; 8]),
+    };
+    let mut history = [zero; 3];
+    let pull = Mindlin::force(&law.constants(), &contact, &mut history);
+    for lane in [0, 3, 7] {
+        assert!(pull.lane(lane).iter().all(|f| f.abs() < f64::MIN_POSITIVE));
+        assert!(
+            history
+                .iter()
+                .all(|part| part.0[lane].abs() < f64::MIN_POSITIVE)
+        );
+    }
+    assert!((pull.lane(1)[0] + 0.01).abs() < 1e-17);
+}
+
+#[test]
+fn friction_of_a_thousand_sticks_as_friction_of_ten_does() {
+    let of = |friction| {
+        let law = Mindlin::new(
+            SOLID.against(SOLID),
+            TangentialStiffness::Paper,
+            0.3,
+            friction,
+        );
+        let mut history = [F64x1([3e-5]), F64x1([-4e-5]), F64x1([0.0])];
+        let pull = force(law, &contact([0.3, -0.4, 0.0], 10.0), &mut history);
+        (pull, history.map(|part| part.0[0]))
+    };
+    let (ten, thousand) = (of(10.0), of(1e3));
+    assert_eq!(ten, thousand);
+    assert!(ten.0.iter().all(|f| f.is_finite()) && ten.0[0].abs() > 0.1);
 }
