@@ -61,6 +61,20 @@ fn every_vector_width_gives_the_same_bits() {
 }
 
 #[test]
+fn two_threads_give_the_same_bits() {
+    let point = tiny(&json!({"strain_end": 0.0005}));
+    let (specs, outcomes) = (stages(&point), all(&point));
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build();
+    let pool = pool.expect("two threads");
+    let mut input: &[u8] = &[];
+    for (spec, outcome) in specs.iter().zip(&outcomes) {
+        let found = pool.install(|| finish(spec, (input, None), VectorWidth::widest()));
+        assert_same(outcome, &found, spec.kind().name());
+        input = outcome.artifacts.get(STATE).map_or(&[], Vec::as_slice);
+    }
+}
+
+#[test]
 fn a_bent_beam_says_how_it_was_bent() {
     let [_, jam, bend] = all(&tiny(&json!({})));
     let number = |outcome: &Outcome, name: &str| {

@@ -189,6 +189,7 @@ impl Bench<'_> {
                 .collect();
             fraction = self.spec.time_step_fraction;
             beam.laws.body_force.rate = self.spec.bending_damping;
+            beam.surroundings.press.drag = self.spec.bending_damping;
         }
         let fractions = (fraction, f64::MAX);
         let run = Run::new(beam, header.course, fractions, self.spec.overlap);
@@ -284,6 +285,7 @@ impl Bench<'_> {
         casing.press.rods = rods.to_vec();
         run.fraction = self.spec.time_step_fraction;
         run.beam.laws.body_force.rate = self.spec.bending_damping;
+        run.beam.surroundings.press.drag = self.spec.bending_damping;
         run.time = 0.0;
         Phase::Bend(Box::new(Bending {
             drive,
