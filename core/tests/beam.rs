@@ -2,6 +2,7 @@
 //!
 //! Source: the invariants of ARCHITECTURE.md, and what stops a run (docs/refusals.md).
 
+use granary_core::beam::results::{FITS, RESULTS};
 use granary_core::lanes::VectorWidth;
 use granary_core::stage::{HISTORY, Outcome, STATE, StageFailure, StageSpec, checkpoint_step};
 use serde_json::{Value, json};
@@ -24,6 +25,8 @@ fn an_interrupted_stage_ends_as_if_it_had_not_been() {
     // Down, up and down again, with one end on a roller.
     let point = tiny(&json!({"cycles": 1, "cycle_strain": 0.0005, "support": "pinned_roller"}));
     let (specs, outcomes) = (stages(&point), all(&point));
+    let loss = outcomes[2].results["unloading_loss"].expect("a cycle");
+    assert!((0.0..1.0).contains(&loss), "{loss}");
     let mut input: &[u8] = &[];
     for (spec, outcome) in specs.iter().zip(&outcomes) {
         for share in [0.2, 0.75] {
@@ -78,6 +81,19 @@ fn a_bent_beam_says_how_it_was_bent() {
     ] {
         assert!(number(&bend, control) > 0.0, "{control}");
     }
+    for quantity in &RESULTS[FITS.len()..] {
+        assert!(
+            bend.results.contains_key(quantity.name),
+            "{}",
+            quantity.name
+        );
+    }
+    let z = number(&bend, "coordination_number");
+    assert!(number(&bend, "coordination_number_without_rattlers") >= z);
+    assert!(number(&bend, "coordination_number_with_membrane") > z);
+    // The beam is under pressure all the time: each step computes about z N/2 contacts of grains, and those with the membrane.
+    let pairs = 0.5 * z * number(&bend, "grains") * bend.steps as f64;
+    assert!(number(&bend, "contact_updates") > 0.5 * pairs);
     assert!(bend.results["ultimate_strength"].is_none());
     assert_eq!(bend.reasons["ultimate_strength"], "run_too_short");
     let history: Value = serde_json::from_slice(&bend.artifacts[HISTORY]).expect("JSON");

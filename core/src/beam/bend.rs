@@ -10,11 +10,13 @@ mod rods;
 
 use serde::{Deserialize, Serialize};
 
+use super::interior::Interior;
 use super::jam::{mold, not_at_rest, velocities};
 use super::rig::{Friction, Rig};
 use super::run::{Course, Rest, Run, stopped};
 use super::spec::{BendSpec, JamSpec, MembraneRest, Support};
 use super::state::{Past, Snapshot};
+use super::structure::coordination::{Coordination, coordination};
 use crate::contact::frictionless::Frictionless;
 use crate::contact::mindlin::Mindlin;
 use crate::guard::Stop;
@@ -46,6 +48,8 @@ struct Bending {
     actual: [f64; 3],
     /// φ when bending began.
     volume_fraction: f64,
+    /// z under its names when the rods first touched.
+    coordination: Option<Coordination>,
 }
 
 /// What a checkpoint remembers besides what moves.
@@ -287,6 +291,7 @@ impl Bench<'_> {
             record: Record::default(),
             actual: [length, height, depth],
             volume_fraction: super::probe::grain_volume(&run.beam) / volume,
+            coordination: None,
         }))
     }
 
@@ -334,6 +339,10 @@ impl Bench<'_> {
                     .drive
                     .follow(&row, run.time)
                     .map_err(|stop: Stop| stopped(run.step, stop))?;
+                if bending.coordination.is_none() && bending.drive.zero().is_some() {
+                    let interior = Interior::of(&run.beam, self.spec.friction_coefficient);
+                    bending.coordination = Some(coordination(&interior.packing(run.step)?));
+                }
             }
         }
         Ok(())

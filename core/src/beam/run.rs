@@ -27,6 +27,8 @@ pub(super) struct Run<T: Friction> {
     pub(super) critical: f64,
     /// The largest overlap so far, in smaller radii.
     pub(super) deepest: f64,
+    /// Contacts computed so far, of grains with grains and with the membrane.
+    pub(super) contact_updates: u64,
     /// Contacts of grains as of the last look.
     pub(super) contacts: Vec<GrainContact>,
 }
@@ -39,6 +41,7 @@ pub(super) struct Course {
     pub(super) time_step: f64,
     pub(super) critical: f64,
     pub(super) deepest: f64,
+    pub(super) contact_updates: u64,
 }
 
 impl Course {
@@ -49,6 +52,7 @@ impl Course {
         time_step: 0.0,
         critical: f64::MAX,
         deepest: 0.0,
+        contact_updates: 0,
     };
 }
 
@@ -79,6 +83,7 @@ impl<T: Friction> Run<T> {
             limits,
             critical: course.critical,
             deepest: course.deepest,
+            contact_updates: course.contact_updates,
             contacts: vec![],
         };
         run.beam.laws.time_step = course.time_step;
@@ -92,6 +97,7 @@ impl<T: Friction> Run<T> {
             time_step: self.beam.laws.time_step,
             critical: self.critical,
             deepest: self.deepest,
+            contact_updates: self.contact_updates,
         }
     }
 
@@ -118,6 +124,8 @@ impl<T: Friction> Run<T> {
             self.look()?;
         }
         self.beam.step();
+        let touching = self.beam.touching() + self.beam.surroundings.held().len();
+        self.contact_updates += touching as u64;
         self.step += 1;
         self.time += self.beam.laws.time_step;
         Ok(())

@@ -7,6 +7,7 @@ use serde::Serialize;
 use super::record::Row;
 use super::{Bench, Bending};
 use crate::beam::curve::{ByDimensions, Curve, Dimensions, Sample, first_loading};
+use crate::beam::hysteresis::unloading_loss;
 use crate::beam::probe;
 use crate::beam::rig::Friction;
 use crate::beam::run::Run;
@@ -97,6 +98,8 @@ pub(super) fn outcome<T: Friction>(bench: &Bench<'_>, run: &Run<T>, bending: &Be
     let frequency = controls(bench, rows, &dimensions.nominal, zero, &mut table);
     strengths(&samples, &dimensions, &mut table);
     periods(bench, &samples, &dimensions.nominal, frequency, &mut table);
+    table.put("unloading_loss", unloading_loss(&samples));
+    coordinations(bending, &mut table);
     state(bench, run, bending, rows, &mut table);
     warn(&table, rows, bench, &mut warnings);
     let history = history(rows, &samples, dimensions);
@@ -315,6 +318,20 @@ fn state<T: Friction>(
     table.put("rod_speed", bench.spec.rod_speed);
     let most = rows.iter().map(|row| 0.5 * row.reaction.abs());
     table.put("support_reaction_max", most.reduce(f64::max));
+    table.put("contact_updates", run.contact_updates as f64);
+}
+
+/// z under its other names, when the rods first touched.
+fn coordinations(bending: &Bending, table: &mut Table) {
+    let found = bending.coordination;
+    for (name, value) in [
+        ("bulk", found.and_then(|z| z.bulk)),
+        ("without_rattlers", found.and_then(|z| z.without_rattlers)),
+        ("with_membrane", found.and_then(|z| z.with_membrane)),
+    ] {
+        table.put(&format!("coordination_number_{name}"), value);
+    }
+    table.put("rattler_fraction", found.and_then(|z| z.rattler_fraction));
 }
 
 /// What a reader should know before believing a number.
