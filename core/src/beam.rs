@@ -18,6 +18,7 @@ mod probe;
 mod rig;
 mod run;
 
+mod frame;
 mod interior;
 pub(crate) mod state;
 
