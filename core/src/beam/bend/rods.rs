@@ -1,17 +1,25 @@
-//! The rods' program: down to the strain of a cycle and up again, as often as asked, then down to the last strain.
+//! The rods' program: down to the strain of a cycle and up again, as often as asked, then down to the last strain,
+//! or less far once the beam has yielded.
 
 use serde::{Deserialize, Serialize};
 
 use super::record::Row;
-use crate::beam::curve::Dimensions;
+use crate::beam::curve::{Curve, Dimensions};
 use crate::beam::prediction::rod_travel;
 use crate::beam::spec::{BendSpec, JamSpec};
 use crate::beam::state::Past;
 use crate::beam::stiffness::ELASTIC_STRAIN;
+use crate::beam::strength::ultimate_strength;
 use crate::guard::Stop;
 
 /// Stress at which the test begins, over Δp.
 const CONTACT_STRESS: f64 = 1e-3;
+
+/// Strain before which no beam counts as bent far enough.
+const LEAST_STRAIN_END: f64 = 0.05;
+
+/// Rows between two looks for the beam's yield.
+const ROWS_PER_LOOK: usize = 20;
 
 /// How the rods move, and how far the test has come.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -33,6 +41,7 @@ pub(super) struct Drive {
     cycles: u32,
     cycle_strain: f64,
     strain_end: f64,
+    strain_end_over_yield: f64,
     sample_way: f64,
     over: bool,
 }
@@ -54,6 +63,7 @@ impl Drive {
             cycles: spec.cycles,
             cycle_strain: spec.cycle_strain,
             strain_end: spec.strain_end,
+            strain_end_over_yield: spec.strain_end_over_yield,
             sample_way: rod_travel(&mold, spec.sample_strain),
             over: false,
         }
@@ -127,6 +137,22 @@ impl Drive {
         Ok(())
     }
 
+    /// Ends the test if the beam is found to have yielded, and to be bent far enough beyond; `rows` are those since the first touch.
+    pub(super) fn look_for_yield(&mut self, rows: &[Row]) {
+        let (Some(zero), Some(last)) = (self.zero, rows.last()) else {
+            return;
+        };
+        let strain = self.mold.strain(zero - last.height);
+        let due = self.strain_end_over_yield > 0.0 && rows.len().is_multiple_of(ROWS_PER_LOOK);
+        if !due || self.cycles > 0 || strain < LEAST_STRAIN_END {
+            return;
+        }
+        let samples: Vec<_> = rows.iter().map(|row| row.sample(zero)).collect();
+        if let Ok(found) = ultimate_strength(&Curve::of(&samples, &self.mold)) {
+            self.over |= strain >= self.strain_end_over_yield * found.strain;
+        }
+    }
+
     fn check_contact(&self, row: &Row) -> Result<(), Stop> {
         let most = 2.0 * (self.gap() + rod_travel(&self.mold, ELASTIC_STRAIN));
         if row.travel <= most {
@@ -144,5 +170,106 @@ impl Drive {
         self.from = self.velocity(time) / self.speed;
         self.to = to;
         self.since = time;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const MOLD: Dimensions = Dimensions {
+        length: 0.24,
+        height: 0.024,
+        depth: 0.048,
+    };
+
+    fn drive(strain_end_over_yield: f64) -> Drive {
+        Drive {
+            mold: MOLD,
+            speed: 1e-3,
+            start: 0.1,
+            from: 0.0,
+            to: 1.0,
+            since: 0.0,
+            contact_stress: 90.0,
+            zero: Some(0.0),
+            cycles: 0,
+            cycle_strain: 0.0,
+            strain_end: 0.08,
+            strain_end_over_yield,
+            sample_way: 1e-4,
+            over: false,
+        }
+    }
+
+    /// Rows of a beam that softens from 10 MPa and hardens again beyond this strain.
+    fn rows(turning: f64) -> Vec<Row> {
+        let stress = |strain: f64| {
+            let beyond = (strain - turning).max(0.0);
+            8e4 * (1.0 - libm::exp(-strain / 8e-3)) + 2e8 * beyond * beyond
+        };
+        let row = |k: i32| {
+            let strain = 5e-5 * f64::from(k);
+            Row {
+                time: f64::from(k),
+                travel: 0.0,
+                force: stress(strain) / MOLD.stress(1.0),
+                reaction: 0.0,
+                height: -strain / MOLD.strain(1.0),
+                kinetic_energy: 0.0,
+                elastic_energy: 0.0,
+                volume_fraction: 0.6,
+                coordination_number: None,
+                mean_force: 0.0,
+                mean_normal_force: 0.0,
+                mean_tangential_force: 0.0,
+                coulomb_fraction: None,
+                mean_overlap: 0.0,
+            }
+        };
+        (0..1600).map(row).collect()
+    }
+
+    fn strain(row: &Row) -> f64 {
+        MOLD.strain(-row.height)
+    }
+
+    /// How many rows there are when the test ends, looking at each in turn.
+    fn end(mut drive: Drive, rows: &[Row]) -> Option<usize> {
+        (1..=rows.len()).find(|&count| {
+            drive.look_for_yield(&rows[..count]);
+            drive.is_over()
+        })
+    }
+
+    #[test]
+    fn a_beam_that_yielded_is_bent_half_as_far_again_but_to_5_percent() {
+        let rows_of_early = rows(0.03);
+        let early = end(drive(1.5), &rows_of_early).expect("it yields");
+        // Looks are 20 rows apart, 0.001 of strain.
+        let at = strain(&rows_of_early[early - 1]);
+        assert!((0.05..0.051).contains(&at), "{at}");
+        let rows = rows(0.042);
+        let late = end(drive(1.5), &rows).expect("it yields");
+        let wanted = |count: usize| {
+            let samples: Vec<_> = rows[..count].iter().map(|row| row.sample(0.0)).collect();
+            let found = ultimate_strength(&Curve::of(&samples, &MOLD));
+            found.map_or(f64::INFINITY, |found| 1.5 * found.strain)
+        };
+        let at = |count: usize| strain(&rows[count - 1]);
+        assert!(at(late) > 0.051 && at(late) >= wanted(late), "{}", at(late));
+        assert!(at(late - ROWS_PER_LOOK) < wanted(late - ROWS_PER_LOOK));
+    }
+
+    #[test]
+    fn a_test_goes_on_where_nothing_is_asked_or_a_cycle_is_to_come() {
+        assert_eq!(end(drive(0.0), &rows(0.03)), None);
+        let cyclic = Drive {
+            cycles: 1,
+            ..drive(1.5)
+        };
+        assert_eq!(end(cyclic, &rows(0.03)), None);
+        // It never hardens again.
+        assert_eq!(end(drive(1.5), &rows(1.0)), None);
     }
 }
