@@ -368,6 +368,10 @@ impl Bench<'_> {
             .drive
             .follow(&row, run.time)
             .map_err(|stop: Stop| stopped(run.step, stop))?;
+        if let Some(zero) = bending.drive.zero() {
+            let rows = bending.record.since_touch(zero);
+            bending.drive.look_for_yield(rows);
+        }
         if bending.coordination.is_none() && bending.drive.zero().is_some() {
             let interior = Interior::of(&run.beam, self.spec.friction_coefficient);
             bending.coordination = Some(coordination(&interior.packing(run.step)?));
