@@ -10,7 +10,7 @@ use crate::memory;
 use crate::memory::spec::MemoryPoint;
 use crate::memory::waveform::Waveform;
 use crate::parameter::{Parameter, Preset, Quantity, Rule};
-use crate::stage::StageSpec;
+use crate::stage::{StageKind, StageSpec};
 
 /// An experiment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -39,6 +39,15 @@ impl Model {
     #[must_use]
     pub fn named(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|model| model.name() == name)
+    }
+
+    /// The model that stages of this kind belong to.
+    #[must_use]
+    pub fn of(kind: StageKind) -> Self {
+        match kind {
+            StageKind::Pack | StageKind::Train | StageKind::Recall => Self::Memory,
+            StageKind::Grow | StageKind::Jam | StageKind::Bend => Self::Beam,
+        }
     }
 
     /// What it is, in one sentence.

@@ -7,6 +7,7 @@ use anyhow::Context;
 use granary_api::id::{JobId, WorkerId};
 use granary_api::lease::{LeaseGrant, LeaseRequest, Release};
 use granary_core::PHYSICS_VERSION;
+use granary_core::model::Model;
 use granary_core::stage::StageFailure;
 use tokio::sync::Semaphore;
 use tokio_util::sync::CancellationToken;
@@ -89,7 +90,7 @@ impl<C: LeaseClient> Slot<C> {
             "job",
             job.id = %first.job,
             lease.id = %grant.lease,
-            model = "memory",
+            model = Model::of(first.spec.kind()).name(),
             kind = first.spec.kind().name(),
             lanes = grant.jobs.len(),
         );
