@@ -295,13 +295,13 @@ fn carried_over(
 }
 
 /// A step of a casing up to what it does to grains.
-struct Step<'a> {
+struct Forces<'a> {
     casing: &'a mut Casing,
     grains: &'a Grains<F64x1>,
     time_step: f64,
 }
 
-impl Kernel<F64x8> for Step<'_> {
+impl Kernel<F64x8> for Forces<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -366,12 +366,12 @@ impl Surroundings for Casing {
     }
 
     fn act(&mut self, grains: &Grains<F64x1>, time_step: f64, width: VectorWidth) {
-        let step = Step {
+        let forces = Forces {
             casing: self,
             grains,
             time_step,
         };
-        dispatch::<F64x8, _>(width, step);
+        dispatch::<F64x8, _>(width, forces);
     }
 
     #[inline(always)]

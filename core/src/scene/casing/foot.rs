@@ -42,18 +42,18 @@ pub(super) struct Foot<L> {
 }
 
 impl<L: Lane> Foot<L> {
-    /// Shares of the corners over their sum.
-    #[inline(always)]
-    fn new(part: Part, shares: [L; 3], sum: L) -> ([L; 3], [L; 2]) {
-        (shares, [sum, L::constant(part.code())])
-    }
-
     /// The point with these barycentric coordinates.
     #[inline(always)]
     pub(super) fn on(&self, [a, b, c]: [Vec3<L>; 3]) -> Vec3<L> {
         let [u, v, w] = self.weights;
         c.scale_add(w, b.scale_add(v, a.scale(u)))
     }
+}
+
+/// What holds in the region of `part`: the shares of the corners, their sum, and the code.
+#[inline(always)]
+fn region<L: Lane>(part: Part, shares: [L; 3], sum: L) -> ([L; 3], [L; 2]) {
+    (shares, [sum, L::constant(part.code())])
 }
 
 /// The foot of `point` on the triangle with corners a, b, c.
@@ -72,7 +72,7 @@ pub(super) fn foot<L: Lane>(point: Vec3<L>, [a, b, c]: [Vec3<L>; 3]) -> Foot<L> 
     let ([d1, d2], [d3, d4], [d5, d6]) = (along(a), along(b), along(c));
     let (w_a, w_b, w_c) = (d3 * d6 - d5 * d4, d5 * d2 - d1 * d6, d1 * d4 - d3 * d2);
     let (from_b, from_c) = (d4 - d3, d5 - d6);
-    let mut found = Foot::new(Part::Face, [w_a, w_b, w_c], w_a + w_b + w_c);
+    let mut found = region(Part::Face, [w_a, w_b, w_c], w_a + w_b + w_c);
     let mut or = |mask: L::Mask, (shares, last): ([L; 3], [L; 2])| {
         let ([u, v, w], [sum, part]) = (shares, last);
         let ([old_u, old_v, old_w], [old_sum, old_part]) = found;
@@ -88,27 +88,27 @@ pub(super) fn foot<L: Lane>(point: Vec3<L>, [a, b, c]: [Vec3<L>; 3]) -> Foot<L> 
     let side = |weight: L, from: L, to: L| weight.le(zero).and(zero.le(from)).and(zero.le(to));
     or(
         side(w_a, from_b, from_c),
-        Foot::new(Part::Side(1), [zero, from_c, from_b], from_b + from_c),
+        region(Part::Side(1), [zero, from_c, from_b], from_b + from_c),
     );
     or(
         side(w_b, d2, -d6),
-        Foot::new(Part::Side(2), [-d6, zero, d2], d2 - d6),
+        region(Part::Side(2), [-d6, zero, d2], d2 - d6),
     );
     or(
         side(w_c, d1, -d3),
-        Foot::new(Part::Side(0), [-d3, d1, zero], d1 - d3),
+        region(Part::Side(0), [-d3, d1, zero], d1 - d3),
     );
     or(
         zero.le(d6).and(d5.le(d6)),
-        Foot::new(Part::Corner(2), [zero, zero, one], one),
+        region(Part::Corner(2), [zero, zero, one], one),
     );
     or(
         zero.le(d3).and(d4.le(d3)),
-        Foot::new(Part::Corner(1), [zero, one, zero], one),
+        region(Part::Corner(1), [zero, one, zero], one),
     );
     or(
         d1.le(zero).and(d2.le(zero)),
-        Foot::new(Part::Corner(0), [one, zero, zero], one),
+        region(Part::Corner(0), [one, zero, zero], one),
     );
     let (shares, [sum, part]) = found;
     let (inverse, [u, v, w]) = (one / sum, shares);
