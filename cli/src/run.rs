@@ -58,7 +58,11 @@ async fn compute(service: &mut Service, args: &Args, spec: &SpecFile) -> anyhow:
         client.steer(sweep, "resume").await?;
     }
     service.stay_alone().await?;
-    service.work(args.threads.unwrap_or_else(all_cores));
+    let threads = args.threads.unwrap_or_else(all_cores).max(1);
+    // The stages of one beam come one after the other: two threads can only share a stage.
+    let one_beam = submitted.points == 1 && submitted.jobs.total <= 3;
+    let per_job = if one_beam { threads.min(2) } else { 1 };
+    service.work_by(threads / per_job, per_job);
     let finished = tokio::select! {
         finished = watch::follow(&client, sweep) => finished?,
         ended = service.watch() => {

@@ -92,6 +92,11 @@ impl Service {
 
     /// Adds `slots` engine threads, each with its own lease.
     pub(crate) fn work(&mut self, slots: usize) {
+        self.work_by(slots, 1);
+    }
+
+    /// The same with several threads for each lease.
+    pub(crate) fn work_by(&mut self, slots: usize, threads_per_job: usize) {
         if slots == 0 {
             return;
         }
@@ -102,7 +107,8 @@ impl Service {
             ..usual
         };
         let client = DirectLeaseClient::new(self.store.clone());
-        let run = lease_loop::run(client, core_engine(), config, self.shutdown.clone());
+        let engine = core_engine(threads_per_job);
+        let run = lease_loop::run(client, engine, config, self.shutdown.clone());
         self.tasks.spawn(run);
     }
 

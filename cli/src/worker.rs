@@ -23,6 +23,10 @@ pub(crate) struct Args {
     /// Engine threads, each with its own lease; all cores by default.
     #[arg(long, env = "GRANARY_THREADS", value_name = "N")]
     threads: Option<usize>,
+    /// How many of these threads one job gets: with 2, a single beam comes sooner, and as many as before later.
+    #[arg(long, env = "GRANARY_THREADS_PER_JOB", value_name = "N", default_value_t = 1,
+        value_parser = clap::value_parser!(u8).range(1..=2))]
+    threads_per_job: u8,
     /// What this worker calls itself; host and process by default.
     #[arg(long, env = "GRANARY_WORKER_NAME")]
     name: Option<String>,
@@ -49,7 +53,8 @@ fn spool() -> PathBuf {
 
 impl Args {
     fn config(&self) -> Config {
-        let usual = Config::new(self.threads.unwrap_or_else(all_cores));
+        let threads = self.threads.unwrap_or_else(all_cores);
+        let usual = Config::new(threads / usize::from(self.threads_per_job));
         let memory = |gib: u64| (gib << 30) / usual.slots as u64;
         Config {
             name: self.name.clone().unwrap_or_else(|| usual.name.clone()),
@@ -74,7 +79,8 @@ pub(crate) async fn run(args: Args) -> anyhow::Result<Done> {
         "worker started"
     );
     let shutdown = CancellationToken::new();
-    let work = lease_loop::run(client, core_engine(), config, shutdown.clone());
+    let engine = core_engine(usize::from(args.threads_per_job));
+    let work = lease_loop::run(client, engine, config, shutdown.clone());
     tokio::pin!(work);
     let ended = tokio::select! {
         ended = &mut work => ended,

@@ -17,6 +17,9 @@ mod packing;
 mod probe;
 mod rig;
 mod run;
+
+mod frame;
+mod interior;
 pub(crate) mod state;
 
 pub(crate) mod bend;
@@ -24,6 +27,7 @@ pub(crate) mod grow;
 pub(crate) mod jam;
 
 pub mod curve;
+pub mod hysteresis;
 pub(crate) mod line;
 
 pub mod stiffness;

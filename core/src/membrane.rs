@@ -288,6 +288,14 @@ impl Membrane {
         add_pressure::<W>(sheet, pressure, &mut self.forces, &mut self.faces);
     }
 
+    /// Adds a drag −α m v \[N\] on every vertex, with α = `rate` \[1/s\].
+    pub fn add_drag(&mut self, rate: f64) {
+        let state = self.velocities.iter().zip(&self.masses);
+        for (force, (&velocity, mass)) in self.forces.iter_mut().zip(state) {
+            *force = plain::sub(*force, plain::scale(velocity, rate * mass));
+        }
+    }
+
     /// Kicks all vertices by `time_step` \[s\], lets them drift, and returns the largest speed \[m/s\].
     ///
     /// Not a number if any speed is not. Forces stay, for [`reaction`](Self::reaction).

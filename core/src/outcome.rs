@@ -13,6 +13,12 @@ pub const STATE: &str = "state";
 pub const SIGNAL: &str = "signal";
 /// The name of the artifact that holds everything recorded at the samples of a stage, as JSON.
 pub const HISTORY: &str = "history";
+/// The name of the artifact that holds the inside of a beam along its bending, as JSON of a [`crate::beam::structure::report::Report`].
+pub const STRUCTURE: &str = "structure";
+/// The name of the artifact that holds a beam's grains, snapshot by snapshot, as a LAMMPS text dump.
+pub const GRAINS_DUMP: &str = "grains.dump";
+/// The name of the artifact that lists the files of a beam's membrane, `membrane_0000.vtp` and so on, for ParaView.
+pub const MEMBRANE_COLLECTION: &str = "membrane.pvd";
 
 /// What a stage yields.
 #[derive(Clone, Debug, PartialEq)]
@@ -21,7 +27,7 @@ pub struct Outcome {
     pub results: BTreeMap<String, Option<f64>>,
     /// Why a scalar is `None`, in one word of a fixed set, by the scalar's name; tables call it `{name}_reason`.
     pub reasons: BTreeMap<String, String>,
-    /// Files by name ([`STATE`], [`SIGNAL`], [`HISTORY`]).
+    /// Files by name ([`STATE`], [`SIGNAL`], [`HISTORY`], [`STRUCTURE`], [`GRAINS_DUMP`], [`MEMBRANE_COLLECTION`] and what it lists).
     pub artifacts: BTreeMap<String, Vec<u8>>,
     /// What a reader of the numbers should know, in full sentences.
     pub warnings: Vec<String>,

@@ -295,6 +295,12 @@ impl<R: Replicas, P: Physics> Scene<R, P> {
         self.contacts.remember(k, i, key, history)
     }
 
+    /// Pairs that touched in the last step, in any replica.
+    #[must_use]
+    pub fn touching(&self) -> usize {
+        self.contacts.live.iter().filter(|live| **live).count()
+    }
+
     /// How often the list of candidates was built.
     #[must_use]
     pub fn renewals(&self) -> u64 {

@@ -17,7 +17,10 @@ mod work;
 
 pub use work::Work;
 
-pub use crate::outcome::{HISTORY, Outcome, Report, SIGNAL, STATE, StageFailure, Watch};
+pub use crate::outcome::{
+    GRAINS_DUMP, HISTORY, MEMBRANE_COLLECTION, Outcome, Report, SIGNAL, STATE, STRUCTURE,
+    StageFailure, Watch,
+};
 
 /// The kinds of stages.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]

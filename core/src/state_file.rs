@@ -71,6 +71,13 @@ impl Writer {
         }
     }
 
+    /// Numbers in single precision, without their count.
+    pub(crate) fn singles(&mut self, numbers: &[f32]) {
+        for number in numbers {
+            self.0.extend(number.to_le_bytes());
+        }
+    }
+
     /// Poses and their count.
     pub(crate) fn poses(&mut self, poses: &[Pose]) {
         self.count(poses.len());
@@ -156,6 +163,17 @@ impl<'a> Reader<'a> {
         }))
     }
 
+    /// N numbers in single precision.
+    pub(crate) fn singles<const N: usize>(&mut self) -> Result<[f32; N], String> {
+        let mut numbers = [0.0; N];
+        for number in &mut numbers {
+            let mut word = [0; 4];
+            word.copy_from_slice(self.take(4)?);
+            *number = f32::from_le_bytes(word);
+        }
+        Ok(numbers)
+    }
+
     /// Poses and their count.
     pub(crate) fn poses(&mut self) -> Result<Vec<Pose>, String> {
         let n = self.word()?;
@@ -209,6 +227,11 @@ impl<'a> Reader<'a> {
             contacts.push(Remembered { i, key, history });
         }
         Ok(contacts)
+    }
+
+    /// What is left.
+    pub(crate) fn rest(&self) -> &'a [u8] {
+        self.0
     }
 
     /// That nothing is left.

@@ -2,8 +2,12 @@
 //!
 //! Source: the invariants of ARCHITECTURE.md, and what stops a run (docs/refusals.md).
 
+use granary_core::beam::results::{FITS, RESULTS};
 use granary_core::lanes::VectorWidth;
-use granary_core::stage::{HISTORY, Outcome, STATE, StageFailure, StageSpec, checkpoint_step};
+use granary_core::stage::{
+    GRAINS_DUMP, HISTORY, MEMBRANE_COLLECTION, Outcome, STATE, STRUCTURE, StageFailure, StageSpec,
+    checkpoint_step,
+};
 use serde_json::{Value, json};
 
 #[path = "fixture/tiny_beam.rs"]
@@ -24,6 +28,8 @@ fn an_interrupted_stage_ends_as_if_it_had_not_been() {
     // Down, up and down again, with one end on a roller.
     let point = tiny(&json!({"cycles": 1, "cycle_strain": 0.0005, "support": "pinned_roller"}));
     let (specs, outcomes) = (stages(&point), all(&point));
+    let loss = outcomes[2].results["unloading_loss"].expect("a cycle");
+    assert!((0.0..1.0).contains(&loss), "{loss}");
     let mut input: &[u8] = &[];
     for (spec, outcome) in specs.iter().zip(&outcomes) {
         for share in [0.2, 0.75] {
@@ -61,6 +67,20 @@ fn every_vector_width_gives_the_same_bits() {
 }
 
 #[test]
+fn two_threads_give_the_same_bits() {
+    let point = tiny(&json!({"strain_end": 0.0005}));
+    let (specs, outcomes) = (stages(&point), all(&point));
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build();
+    let pool = pool.expect("two threads");
+    let mut input: &[u8] = &[];
+    for (spec, outcome) in specs.iter().zip(&outcomes) {
+        let found = pool.install(|| finish(spec, (input, None), VectorWidth::widest()));
+        assert_same(outcome, &found, spec.kind().name());
+        input = outcome.artifacts.get(STATE).map_or(&[], Vec::as_slice);
+    }
+}
+
+#[test]
 fn a_bent_beam_says_how_it_was_bent() {
     let [_, jam, bend] = all(&tiny(&json!({})));
     let number = |outcome: &Outcome, name: &str| {
@@ -78,6 +98,19 @@ fn a_bent_beam_says_how_it_was_bent() {
     ] {
         assert!(number(&bend, control) > 0.0, "{control}");
     }
+    for quantity in &RESULTS[FITS.len()..] {
+        assert!(
+            bend.results.contains_key(quantity.name),
+            "{}",
+            quantity.name
+        );
+    }
+    let z = number(&bend, "coordination_number");
+    assert!(number(&bend, "coordination_number_without_rattlers") >= z);
+    assert!(number(&bend, "coordination_number_with_membrane") > z);
+    // The beam is under pressure all the time: each step computes about z N/2 contacts of grains, and those with the membrane.
+    let pairs = 0.5 * z * number(&bend, "grains") * bend.steps as f64;
+    assert!(number(&bend, "contact_updates") > 0.5 * pairs);
     assert!(bend.results["ultimate_strength"].is_none());
     assert_eq!(bend.reasons["ultimate_strength"], "run_too_short");
     let history: Value = serde_json::from_slice(&bend.artifacts[HISTORY]).expect("JSON");
@@ -150,4 +183,74 @@ fn a_run_that_leaves_the_physics_stops_with_its_reason() {
     assert_eq!(kind, "unstable");
     let (kind, _) = stop(&json!({"longest_rest": 1e-3}));
     assert_eq!(kind, "not_at_rest");
+}
+
+/// The numbers after each `ITEM: TIMESTEP` of a dump.
+fn dumped_steps(dump: &[u8]) -> Vec<u64> {
+    let text = std::str::from_utf8(dump).expect("text");
+    let after = text.split("ITEM: TIMESTEP\n").skip(1);
+    after
+        .map(|block| block.lines().next().and_then(|line| line.parse().ok()))
+        .collect::<Option<_>>()
+        .expect("a step in each block")
+}
+
+#[test]
+fn a_bending_that_is_looked_at_is_the_same_and_goes_on_with_all_that_was_seen() {
+    let point = tiny(&json!({
+        "strain_end": 0.004, "structure": true, "snapshots": true, "snapshot_travel": 5e-5,
+    }));
+    let [.., unseen] = all(&tiny(&json!({"strain_end": 0.004})));
+    let [_, jam, seen] = all(&point);
+    assert_eq!(seen.results, unseen.results);
+    assert_eq!(seen.artifacts[HISTORY], unseen.artifacts[HISTORY]);
+
+    // One block, one membrane and one entry for each snapshot, 0.05 mm of the rods' way apart.
+    let steps = dumped_steps(&seen.artifacts[GRAINS_DUMP]);
+    assert!(steps.len() >= 4, "{steps:?}");
+    let report: Value = serde_json::from_slice(&seen.artifacts[STRUCTURE]).expect("JSON");
+    let list = |name: &str| report[name].as_array().expect("a list").clone();
+    let (snapshots, changes) = (list("snapshots"), list("changes"));
+    assert_eq!(snapshots.len(), steps.len());
+    assert_eq!(changes.len() + 1, steps.len());
+    let names = seen.artifacts.keys();
+    let files: Vec<&String> = names.filter(|name| name.starts_with("membrane_")).collect();
+    assert_eq!(files.len(), steps.len());
+    let collection = std::str::from_utf8(&seen.artifacts[MEMBRANE_COLLECTION]).expect("text");
+    for file in files {
+        assert!(collection.contains(&format!("file=\"{file}\"")), "{file}");
+    }
+    for pair in snapshots.windows(2) {
+        let travel = |snapshot: &Value| snapshot["rod_travel"].as_f64().expect("a number");
+        let way = travel(&pair[1]) - travel(&pair[0]);
+        // Each may be late by one step, in which the rods go at most 0.05 m/s times some 10 µs.
+        assert!((way - 5e-5).abs() < 1e-6, "{way}");
+    }
+    assert_eq!(
+        snapshots[0]["coordination"]["all"].as_f64(),
+        seen.results["coordination_number"]
+    );
+    for change in &changes {
+        let stray = change["non_affine"]["all"].as_f64().expect("grains");
+        assert!(stray > 0.0 && stray < 5e-5, "{stray}");
+        assert!(change["autocorrelation"]["printed"].is_array());
+        assert!(change["displacement"]["values"].is_array());
+    }
+
+    // Between the second snapshot and the third one, the second is still to be compared with.
+    let bend = &stages(&point)[2];
+    let input = &jam.artifacts[STATE];
+    let saved = interrupt(bend, input, steps[1] + (steps[2] - steps[1]) / 2);
+    let found = finish(bend, (input, Some(&saved)), VectorWidth::widest());
+    assert_same(&seen, &found, "after the second snapshot");
+    let first = interrupt(bend, input, steps[0] / 2);
+    let found = finish(bend, (input, Some(&first)), VectorWidth::widest());
+    assert_same(&seen, &found, "before the first snapshot");
+    // What follows a checkpoint is part of it.
+    let cut = &saved[..saved.len() - 1];
+    let found = finish(bend, (input, Some(cut)), VectorWidth::widest());
+    assert!(
+        matches!(found, Err(StageFailure::Input { .. })),
+        "{found:?}"
+    );
 }

@@ -17,10 +17,19 @@ pub type StageResult = Result<Outcome, StageFailure>;
 /// Runs ensembles; tests put their own in the place of [`granary_core::stage::run`].
 pub type Engine = Arc<dyn Fn(&Ensemble<'_>, Watch<'_>) -> Vec<StageResult> + Send + Sync>;
 
-/// The engine of `core`.
+/// The engine of `core`, with up to `threads` threads for each ensemble.
+///
+/// The second halves the time of a step of a beam at best; further ones, and other experiments, gain nothing.
 #[must_use]
-pub fn core_engine() -> Engine {
-    Arc::new(|ensemble, watch| granary_core::stage::run(ensemble, watch))
+pub fn core_engine(threads: usize) -> Engine {
+    Arc::new(move |ensemble, watch| {
+        // The pool has this thread as its first, and ends with it. Without one, everything runs here, to the same bits.
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .use_current_thread();
+        let _pool = (threads > 1).then(|| pool.build());
+        granary_core::stage::run(ensemble, watch)
+    })
 }
 
 /// Everything an ensemble needs, in memory.

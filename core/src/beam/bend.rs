@@ -4,17 +4,22 @@
 //! 2. The bottom edges at its ends are held, and rods are put above the thirds of the span.
 //! 3. The rods come down, smoothly at first, and the forces on them are recorded until the strain asked for is reached.
 
+mod history;
 mod outcome;
+mod places;
 mod record;
 mod rods;
+mod snapshots;
 
 use serde::{Deserialize, Serialize};
 
+use super::interior::Interior;
 use super::jam::{mold, not_at_rest, velocities};
 use super::rig::{Friction, Rig};
 use super::run::{Course, Rest, Run, stopped};
 use super::spec::{BendSpec, JamSpec, MembraneRest, Support};
 use super::state::{Past, Snapshot};
+use super::structure::coordination::{Coordination, coordination};
 use crate::contact::frictionless::Frictionless;
 use crate::contact::mindlin::Mindlin;
 use crate::guard::Stop;
@@ -24,8 +29,10 @@ use crate::membrane::Mesh;
 use crate::outcome::{Outcome, Progress, StageFailure};
 use crate::wall::press::{Plane, Rod};
 
+use places::{Places, mean, places};
 use record::{Record, Row};
 use rods::Drive;
+use snapshots::Snapshots;
 
 /// Where a bending is.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -49,6 +56,8 @@ struct Bending {
     volume_fraction: f64,
     /// The largest pull of one support at a sample \[N\].
     largest_pull: f64,
+    /// z under its names when the rods first touched.
+    coordination: Option<Coordination>,
 }
 
 /// What a checkpoint remembers besides what moves.
@@ -62,15 +71,6 @@ struct Header {
     walls: Vec<f64>,
     /// Place and velocity of the rods, once there are any.
     rods: Vec<[f64; 3]>,
-}
-
-/// Vertices with a part to play, by where they are in the mold.
-struct Places {
-    supports: [Vec<u32>; 2],
-    /// In the middle of the bottom: their height is the deflection.
-    middle: Vec<u32>,
-    /// Of each axis the two faces, without their rims, which stick out once the mold is gone.
-    faces: [[Vec<u32>; 2]; 3],
 }
 
 /// Bends the beam of `input`, or goes on from a checkpoint.
@@ -116,10 +116,14 @@ fn bent<T: Friction>(
         stage,
         places,
     };
+    let mut snapshots = Snapshots::default();
     let (mut run, mut phase) = match checkpoint {
         Some(bytes) => {
-            let saved = Snapshot::<Header>::of_stage(bytes, stage, |header| &header.stage)?;
-            bench.resumed::<T>(&rig, &saved, &state)?
+            let (saved, rest) =
+                Snapshot::<Header>::of_stage_with_rest(bytes, stage, |header| &header.stage)?;
+            let (run, phase) = bench.resumed::<T>(&rig, &saved, &state)?;
+            snapshots = Snapshots::from_bytes(rest, (&run.beam, run.step), spec)?;
+            (run, phase)
         }
         None => bench.begun::<T>(&rig, &state)?,
     };
@@ -128,8 +132,8 @@ fn bent<T: Friction>(
             Phase::Release => bench.release(&mut run, progress)?,
             Phase::Relax(rest) => bench.relax(&mut run, rest, progress)?,
             Phase::Bend(mut bending) => {
-                bench.bend(&mut run, &mut bending, progress)?;
-                return Ok(outcome::outcome(&bench, &run, &bending));
+                bench.bend(&mut run, (&mut bending, &mut snapshots), progress)?;
+                return Ok(outcome::outcome(&bench, &run, (&bending, &snapshots)));
             }
         };
     }
@@ -189,6 +193,7 @@ impl Bench<'_> {
                 .collect();
             fraction = self.spec.time_step_fraction;
             beam.laws.body_force.rate = self.spec.bending_damping;
+            beam.surroundings.press.drag = self.spec.bending_damping;
         }
         let fractions = (fraction, f64::MAX);
         let run = Run::new(beam, header.course, fractions, self.spec.overlap);
@@ -205,7 +210,7 @@ impl Bench<'_> {
         }
     }
 
-    fn save<T: Friction>(&self, run: &Run<T>, phase: Phase) -> Vec<u8> {
+    fn save<T: Friction>(&self, run: &Run<T>, phase: Phase, snapshots: &Snapshots) -> Vec<u8> {
         let press = &run.beam.surroundings.press;
         let header = Header {
             stage: self.stage.to_owned(),
@@ -219,7 +224,9 @@ impl Bench<'_> {
                 .map(|rod| [rod.position[0], rod.position[1], rod.velocity])
                 .collect(),
         };
-        Snapshot::of(&run.beam, header).to_bytes()
+        let mut bytes = Snapshot::of(&run.beam, header).to_bytes();
+        bytes.extend(snapshots.to_bytes());
+        bytes
     }
 
     /// Draws the mold away, by twice the size of a vertex.
@@ -232,7 +239,9 @@ impl Bench<'_> {
         let draw = |plane: &mut Plane| plane.velocity = -plane.inward * speed;
         run.beam.surroundings.press.planes.iter_mut().for_each(draw);
         while run.time < self.spec.release_time {
-            run.advance(progress, &|run| self.save(run, Phase::Release))?;
+            run.advance(progress, &|run| {
+                self.save(run, Phase::Release, &Snapshots::default())
+            })?;
         }
         run.beam.surroundings.press.planes.clear();
         Ok(Phase::Relax(Rest::from(run.time)))
@@ -248,7 +257,9 @@ impl Bench<'_> {
             let due = rest.is_due(run.time);
             let before = if due { velocities(run) } else { vec![] };
             let saved = rest;
-            run.advance(progress, &|run| self.save(run, Phase::Relax(saved)))?;
+            run.advance(progress, &|run| {
+                self.save(run, Phase::Relax(saved), &Snapshots::default())
+            })?;
             if due && rest.check(&self.spec.rest, run, &before) {
                 return Ok(self.mount(run));
             }
@@ -284,6 +295,7 @@ impl Bench<'_> {
         casing.press.rods = rods.to_vec();
         run.fraction = self.spec.time_step_fraction;
         run.beam.laws.body_force.rate = self.spec.bending_damping;
+        run.beam.surroundings.press.drag = self.spec.bending_damping;
         run.time = 0.0;
         Phase::Bend(Box::new(Bending {
             drive,
@@ -291,6 +303,7 @@ impl Bench<'_> {
             actual: [length, height, depth],
             volume_fraction: super::probe::grain_volume(&run.beam) / volume,
             largest_pull: 0.0,
+            coordination: None,
         }))
     }
 
@@ -313,7 +326,7 @@ impl Bench<'_> {
     fn bend<T: Friction>(
         &self,
         run: &mut Run<T>,
-        bending: &mut Bending,
+        (bending, snapshots): (&mut Bending, &mut Snapshots),
         progress: &mut Progress<'_>,
     ) -> Result<(), StageFailure> {
         let all: Vec<u32> = self.places.supports.concat();
@@ -323,7 +336,7 @@ impl Bench<'_> {
                 rod.velocity = -velocity;
             }
             run.advance(progress, &|run| {
-                self.save(run, Phase::Bend(Box::new(bending.clone())))
+                self.save(run, Phase::Bend(Box::new(bending.clone())), snapshots)
             })?;
             let way = velocity * run.beam.laws.time_step;
             let casing = &run.beam.surroundings;
@@ -332,14 +345,36 @@ impl Bench<'_> {
             let height = self.middle_height(casing.membrane.mesh());
             bending.record.add([force, reaction, height], way);
             if bending.record.is_due(bending.drive.sample_way()) {
-                let row = Row::of(run, self.spec, bending.record.mean(run.time));
-                let row = bending.record.close(row);
-                bending.largest_pull = bending.largest_pull.max(self.pull(run));
-                bending
-                    .drive
-                    .follow(&row, run.time)
-                    .map_err(|stop: Stop| stopped(run.step, stop))?;
+                self.close_row(run, bending)?;
             }
+            if bending.drive.zero().is_some() {
+                let moved = (way, bending.record.travel());
+                snapshots.follow(run, self.spec, moved, bending.actual[1])?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Keeps a row of the record, and lets the rods follow it.
+    fn close_row<T: Friction>(
+        &self,
+        run: &Run<T>,
+        bending: &mut Bending,
+    ) -> Result<(), StageFailure> {
+        let row = Row::of(run, self.spec, bending.record.mean(run.time));
+        let row = bending.record.close(row);
+        bending.largest_pull = bending.largest_pull.max(self.pull(run));
+        bending
+            .drive
+            .follow(&row, run.time)
+            .map_err(|stop: Stop| stopped(run.step, stop))?;
+        if let Some(zero) = bending.drive.zero() {
+            let rows = bending.record.since_touch(zero);
+            bending.drive.look_for_yield(rows);
+        }
+        if bending.coordination.is_none() && bending.drive.zero().is_some() {
+            let interior = Interior::of(&run.beam, self.spec.friction_coefficient);
+            bending.coordination = Some(coordination(&interior.packing(run.step)?));
         }
         Ok(())
     }
@@ -360,43 +395,5 @@ impl Bench<'_> {
     fn extent(&self, mesh: &Mesh, axis: usize) -> f64 {
         let [low, high] = &self.places.faces[axis];
         mean(mesh, high, axis) - mean(mesh, low, axis)
-    }
-}
-
-/// Mean coordinate of vertices.
-fn mean(mesh: &Mesh, vertices: &[u32], axis: usize) -> f64 {
-    let sum: f64 = vertices
-        .iter()
-        .map(|&v| mesh.positions()[v as usize][axis])
-        .sum();
-    sum / vertices.len() as f64
-}
-
-/// Finds supports, middle and faces on the mesh as it is in the mold.
-fn places(mesh: &Mesh, edge: f64) -> Places {
-    let [low, high] = mesh.bounds();
-    let pick = |wanted: &dyn Fn(&[f64; 3]) -> bool| {
-        (0u32..)
-            .zip(mesh.positions())
-            .filter(|(_, place)| wanted(place))
-            .map(|(vertex, _)| vertex)
-            .collect::<Vec<u32>>()
-    };
-    let bottom = |place: &[f64; 3]| place[2] < low[2] + 1e-6 * edge;
-    let inside = |place: &[f64; 3], axis: usize| {
-        (0..3).all(|k| k == axis || place[k].abs() < high[k] - 1.5 * edge)
-    };
-    let face = |axis: usize, sign: f64| {
-        pick(&|place| sign * place[axis] > high[axis] - 1e-6 * edge && inside(place, axis))
-    };
-    Places {
-        supports: [
-            pick(&|place| bottom(place) && place[0] - low[0] <= 0.75 * edge),
-            pick(&|place| bottom(place) && high[0] - place[0] <= 0.75 * edge),
-        ],
-        middle: pick(&|place| {
-            bottom(place) && place[0].abs() <= edge && place[1].abs() <= 0.5 * high[1]
-        }),
-        faces: [0, 1, 2].map(|axis| [face(axis, -1.0), face(axis, 1.0)]),
     }
 }

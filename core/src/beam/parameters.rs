@@ -59,6 +59,7 @@ pub const PRESETS: &[Preset] = &[
             ("depth", Real(0.048)),
             ("periods", Real(2.5)),
             ("strain_end", Real(0.06)),
+            ("strain_end_over_yield", Real(1.5)),
         ],
         sentence: "2,500 grains in minutes: trends hold, E_b within 20 % and Y_b within 15 % of the paper's size and speed.",
     },

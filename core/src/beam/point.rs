@@ -94,6 +94,7 @@ pub struct BeamPoint {
     pub structure: bool,
     pub snapshots: bool,
     pub snapshot_travel: f64,
+    pub strain_end_over_yield: f64,
 }
 
 impl BeamPoint {
@@ -254,6 +255,7 @@ impl BeamPoint {
             structure: self.structure,
             snapshots: self.snapshots,
             snapshot_travel: if looked_at { self.snapshot_travel } else { 0.0 },
+            strain_end_over_yield: self.strain_end_over_yield,
         }
     }
 }

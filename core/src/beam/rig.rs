@@ -140,6 +140,7 @@ impl Rig<'_> {
             }),
         };
         let press = Press {
+            drag: self.damping,
             ball: VertexBall {
                 radius: self.jam.map_or(0.0, |jam| jam.vertex_radius),
                 material: Material::viscoelastic(

@@ -37,6 +37,8 @@ pub(super) struct Run<T: Friction> {
     deepest_pair: [usize; 2],
     /// Ṙ/R of grains that grow \[1/s\].
     pub(super) growth_rate: f64,
+    /// Contacts computed so far, of grains with grains and with the membrane.
+    pub(super) contact_updates: u64,
     /// Contacts of grains as of the last look.
     pub(super) contacts: Vec<GrainContact>,
     sheet: Sheet,
@@ -56,6 +58,7 @@ pub(super) struct Course {
     deepest_pair: [usize; 2],
     sheet: Sheet,
     books: Books,
+    pub(super) contact_updates: u64,
 }
 
 impl Course {
@@ -69,6 +72,7 @@ impl Course {
         deepest_pair: [0; 2],
         sheet: Sheet::SOUND,
         books: Books::BLANK,
+        contact_updates: 0,
     };
 }
 
@@ -101,6 +105,7 @@ impl<T: Friction> Run<T> {
             deepest: course.deepest,
             deepest_pair: course.deepest_pair,
             growth_rate: 0.0,
+            contact_updates: course.contact_updates,
             contacts: vec![],
             sheet: course.sheet,
             books: course.books,
@@ -120,6 +125,7 @@ impl<T: Friction> Run<T> {
             deepest_pair: self.deepest_pair,
             sheet: self.sheet,
             books: self.books,
+            contact_updates: self.contact_updates,
         }
     }
 
@@ -149,6 +155,8 @@ impl<T: Friction> Run<T> {
             self.look()?;
         }
         self.beam.step();
+        let touching = self.beam.touching() + self.beam.surroundings.held().len();
+        self.contact_updates += touching as u64;
         self.step += 1;
         self.time += self.beam.laws.time_step;
         Ok(())

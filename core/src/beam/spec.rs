@@ -201,4 +201,6 @@ pub struct BendSpec {
     pub snapshots: bool,
     /// Way of the rods between two snapshots \[m\]; 0 without any.
     pub snapshot_travel: f64,
+    /// Once the beam has yielded, ε_end is at most this times ε_Y, or 0.05 if that is more; 0 is never.
+    pub strain_end_over_yield: f64,
 }

@@ -108,7 +108,9 @@ impl<H: Serialize + DeserializeOwned> Snapshot<H> {
 
     /// Reads a file; the error says what is wrong with it.
     pub(crate) fn from_bytes(bytes: &[u8]) -> Result<Self, StageFailure> {
-        Self::read(bytes).map_err(|detail| unreadable(&detail))
+        Self::read(bytes)
+            .and_then(alone)
+            .map_err(|detail| unreadable(&detail))
     }
 
     /// Reads a checkpoint of `stage`, and of no other.
@@ -117,16 +119,26 @@ impl<H: Serialize + DeserializeOwned> Snapshot<H> {
         stage: &str,
         named: impl Fn(&H) -> &String,
     ) -> Result<Self, StageFailure> {
-        let saved = Self::from_bytes(bytes)?;
+        let found = Self::of_stage_with_rest(bytes, stage, named)?;
+        alone(found).map_err(|detail| unreadable(&detail))
+    }
+
+    /// Reads a checkpoint of `stage`, and of no other, and returns what follows it.
+    pub(crate) fn of_stage_with_rest<'a>(
+        bytes: &'a [u8],
+        stage: &str,
+        named: impl Fn(&H) -> &String,
+    ) -> Result<(Self, &'a [u8]), StageFailure> {
+        let (saved, rest) = Self::read(bytes).map_err(|detail| unreadable(&detail))?;
         let found = named(&saved.header);
         if found == stage {
-            return Ok(saved);
+            return Ok((saved, rest));
         }
         let detail = format!("the checkpoint belongs to {found}, not to {stage}");
         Err(StageFailure::Input { detail })
     }
 
-    fn read(bytes: &[u8]) -> Result<Self, String> {
+    fn read(bytes: &[u8]) -> Result<(Self, &[u8]), String> {
         let (header, mut reader) = Reader::new(bytes)?;
         let (poses, motions) = reader.grains()?;
         let reference: Vec<[f64; 3]> = poses.iter().map(|pose| pose.position).collect();
@@ -145,8 +157,7 @@ impl<H: Serialize + DeserializeOwned> Snapshot<H> {
             return Err("the vertices' places and velocities differ in number".to_owned());
         }
         let held = held(&mut reader, reference.len())?;
-        reader.end()?;
-        Ok(Self {
+        let snapshot = Self {
             header,
             reference,
             displacements,
@@ -156,7 +167,17 @@ impl<H: Serialize + DeserializeOwned> Snapshot<H> {
             vertices,
             velocities,
             held,
-        })
+        };
+        Ok((snapshot, reader.rest()))
+    }
+}
+
+/// A snapshot that nothing follows.
+fn alone<H>((snapshot, rest): (Snapshot<H>, &[u8])) -> Result<Snapshot<H>, String> {
+    if rest.is_empty() {
+        Ok(snapshot)
+    } else {
+        Err(format!("{} bytes too many", rest.len()))
     }
 }
 

@@ -33,6 +33,9 @@ pub mod voronoi;
 
 pub mod profile;
 
+pub mod along;
+pub mod report;
+
 #[cfg(test)]
 mod fixture;
 
@@ -222,7 +225,8 @@ impl<'a> Packing<'a> {
     }
 
     /// How many grains press on each grain.
-    fn contact_counts(&self) -> Vec<usize> {
+    #[must_use]
+    pub fn contact_counts(&self) -> Vec<usize> {
         let mut counts = vec![0; self.snapshot.positions.len()];
         for contact in self.pressing() {
             counts[contact.i] += 1;

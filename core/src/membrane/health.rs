@@ -31,7 +31,8 @@ pub enum Finding {
         /// A/A₀.
         ratio: f64,
     },
-    /// A triangle's normal has turned by more than 120° since the last look.
+    /// A triangle's normal has turned by more than 120° since the last look, and it lies against two of its neighbors, or all:
+    /// it is turned over. A part of the sheet that snaps into a gap turns as fast, but lies against one neighbor at most.
     Flipped {
         /// Its number.
         triangle: u32,
@@ -98,13 +99,22 @@ fn lost_triangles(mesh: &Mesh, rest: &[f64], [now, before]: [&[[f64; 3]]; 2]) ->
     let lost = |((triangle, ratio), cosine): ((u32, f64), f64)| {
         if ratio < COLLAPSED_AREA || ratio.is_nan() {
             Some(Finding::Collapsed { triangle, ratio })
-        } else if cosine < FLIPPED {
+        } else if cosine < FLIPPED && is_turned_over(mesh, now, triangle) {
             Some(Finding::Flipped { triangle, cosine })
         } else {
             None
         }
     };
     (0u32..).zip(ratios).zip(turns).filter_map(lost).collect()
+}
+
+/// Whether `triangle` lies against two of its neighbors, or against all if it has fewer.
+fn is_turned_over(mesh: &Mesh, normals: &[[f64; 3]], triangle: u32) -> bool {
+    let own = normals[triangle as usize];
+    let neighbors = mesh.over_sides(triangle).into_iter().flatten();
+    let against = |&other: &u32| plain::dot(own, normals[other as usize]) < FLIPPED;
+    let count = neighbors.clone().filter(against).count();
+    count >= neighbors.count().min(2)
 }
 
 fn sharp_folds(mesh: &Mesh, normals: &[[f64; 3]]) -> Vec<Finding> {

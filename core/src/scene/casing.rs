@@ -64,6 +64,8 @@ pub struct Press {
     pub rods: Vec<Rod>,
     /// The ball that stands for a vertex before planes and rods.
     pub ball: VertexBall,
+    /// α: drag over mass of every vertex \[1/s\].
+    pub drag: f64,
 }
 
 /// A contact of a grain with the membrane, as it was in the last step.
@@ -169,6 +171,9 @@ impl Casing {
         }
         for rod in rods {
             rod.press(ball, state, forces);
+        }
+        if self.press.drag > 0.0 {
+            self.membrane.add_drag(self.press.drag);
         }
     }
 

@@ -47,10 +47,14 @@ impl StageSpec {
             Self::Grow(grow) => (grow.predicted_bodies(), grow.predicted_bytes()),
             _ => (0, 0),
         };
+        let kept = match (self, before) {
+            (Self::Bend(spec), [Self::Grow(grow), ..]) => spec.predicted_snapshot_bytes(grow),
+            _ => 0,
+        };
         Work {
             grain_steps: grains.saturating_mul(steps),
             steps,
-            bytes,
+            bytes: bytes.saturating_add(kept),
         }
     }
 

@@ -2,11 +2,12 @@
 
 use std::collections::BTreeMap;
 
-use serde::Serialize;
-
+use super::history::History;
 use super::record::Row;
+use super::snapshots::Snapshots;
 use super::{Bench, Bending};
 use crate::beam::curve::{ByDimensions, Curve, Dimensions, Sample, first_loading};
+use crate::beam::hysteresis::unloading_loss;
 use crate::beam::probe;
 use crate::beam::rig::Friction;
 use crate::beam::run::Run;
@@ -26,27 +27,6 @@ const LARGEST_INERTIAL_NUMBER: f64 = 1e-4;
 /// Mean overlap beyond which Hertz's law is out of its range.
 const HERTZ_RANGE: f64 = 0.1;
 
-/// The curve and all that was recorded along it, column by column; SI units.
-#[derive(Serialize)]
-struct History {
-    dimensions: ByDimensions<Dimensions>,
-    time: Vec<f64>,
-    rod_travel: Vec<f64>,
-    force: Vec<f64>,
-    support_reaction: Vec<f64>,
-    deflection: Vec<f64>,
-    strain: Vec<f64>,
-    stress: Vec<f64>,
-    kinetic_energy: Vec<f64>,
-    elastic_energy: Vec<f64>,
-    volume_fraction: Vec<f64>,
-    coordination_number: Vec<Option<f64>>,
-    mean_contact_force: Vec<f64>,
-    mean_normal_force: Vec<f64>,
-    mean_tangential_force: Vec<f64>,
-    coulomb_fraction: Vec<Option<f64>>,
-}
-
 /// Numbers by name, and why some are none.
 #[derive(Default)]
 struct Table {
@@ -65,15 +45,13 @@ impl Table {
     }
 }
 
-pub(super) fn outcome<T: Friction>(bench: &Bench<'_>, run: &Run<T>, bending: &Bending) -> Outcome {
-    let rows = &bending.record.rows;
+pub(super) fn outcome<T: Friction>(
+    bench: &Bench<'_>,
+    run: &Run<T>,
+    (bending, snapshots): (&Bending, &Snapshots),
+) -> Outcome {
     let zero = bending.drive.zero().unwrap_or(0.0);
-    // The rods touch in the row that sets the zero; everything before is their way through the air.
-    let first = rows
-        .iter()
-        .position(|row| row.height.to_bits() == zero.to_bits())
-        .unwrap_or(rows.len());
-    let rows = &rows[first..];
+    let rows = bending.record.since_touch(zero);
     let [length, height, depth] = bending.actual;
     let dimensions = ByDimensions {
         nominal: bench.past.grow.dimensions(),
@@ -83,31 +61,32 @@ pub(super) fn outcome<T: Friction>(bench: &Bench<'_>, run: &Run<T>, bending: &Be
             depth,
         },
     };
-    let samples: Vec<Sample> = rows
-        .iter()
-        .map(|row| Sample {
-            time: row.time,
-            rod_travel: row.travel,
-            force: row.force,
-            deflection: zero - row.height,
-        })
-        .collect();
+    let samples: Vec<Sample> = rows.iter().map(|row| row.sample(zero)).collect();
     let mut table = Table::default();
     let mut warnings = bench.past.warnings.clone();
     let frequency = controls(bench, rows, &dimensions.nominal, zero, &mut table);
     strengths(&samples, &dimensions, &mut table);
     periods(bench, &samples, &dimensions.nominal, frequency, &mut table);
+    table.put("unloading_loss", unloading_loss(&samples));
+    coordinations(bending, &mut table);
     state(bench, run, bending, rows, &mut table);
     warn(&table, rows, &mut warnings);
     warnings.extend(run.warnings("in the test"));
     let grow = &bench.past.grow;
     let most = grow.membrane_youngs_modulus * bench.jam.membrane_thickness * grow.depth;
     warnings.extend(overloaded(bending.largest_pull, most));
-    let history = history(rows, &samples, dimensions);
+    let mold = dimensions.nominal;
+    let mut artifacts = snapshots.artifacts(run, bench.spec, |time| {
+        // The row whose means were being taken; a snapshot needs a row before it, and the test ends with one.
+        let row = &rows[rows.partition_point(|row| row.time < time)];
+        (mold.strain(zero - row.height), mold.stress(row.force))
+    });
+    let history = History::of(rows, &samples, dimensions);
+    artifacts.insert(HISTORY.to_owned(), canonical_json(&history).into_bytes());
     Outcome {
         results: table.results,
         reasons: table.reasons,
-        artifacts: BTreeMap::from([(HISTORY.to_owned(), canonical_json(&history).into_bytes())]),
+        artifacts,
         warnings,
         steps: run.step,
     }
@@ -319,6 +298,20 @@ fn state<T: Friction>(
     table.put("rod_speed", bench.spec.rod_speed);
     let most = rows.iter().map(|row| 0.5 * row.reaction.abs());
     table.put("support_reaction_max", most.reduce(f64::max));
+    table.put("contact_updates", run.contact_updates as f64);
+}
+
+/// z under its other names, when the rods first touched.
+fn coordinations(bending: &Bending, table: &mut Table) {
+    let found = bending.coordination;
+    for (name, value) in [
+        ("bulk", found.and_then(|z| z.bulk)),
+        ("without_rattlers", found.and_then(|z| z.without_rattlers)),
+        ("with_membrane", found.and_then(|z| z.with_membrane)),
+    ] {
+        table.put(&format!("coordination_number_{name}"), value);
+    }
+    table.put("rattler_fraction", found.and_then(|z| z.rattler_fraction));
 }
 
 /// What a reader should know before believing a number.
@@ -355,32 +348,6 @@ fn overloaded(pull: f64, most: f64) -> Option<String> {
             "support_overload: a support pulls by {pull:.2e} N, more than E_m t_m d = {most:.2e} N"
         )
     })
-}
-
-fn history(rows: &[Row], samples: &[Sample], dimensions: ByDimensions<Dimensions>) -> History {
-    let column = |value: fn(&Row) -> f64| rows.iter().map(value).collect::<Vec<f64>>();
-    let mold = dimensions.nominal;
-    History {
-        dimensions,
-        time: column(|row| row.time),
-        rod_travel: column(|row| row.travel),
-        force: column(|row| row.force),
-        support_reaction: column(|row| row.reaction),
-        deflection: samples.iter().map(|sample| sample.deflection).collect(),
-        strain: samples
-            .iter()
-            .map(|sample| mold.strain(sample.deflection))
-            .collect(),
-        stress: rows.iter().map(|row| mold.stress(row.force)).collect(),
-        kinetic_energy: column(|row| row.kinetic_energy),
-        elastic_energy: column(|row| row.elastic_energy),
-        volume_fraction: column(|row| row.volume_fraction),
-        coordination_number: rows.iter().map(|row| row.coordination_number).collect(),
-        mean_contact_force: column(|row| row.mean_force),
-        mean_normal_force: column(|row| row.mean_normal_force),
-        mean_tangential_force: column(|row| row.mean_tangential_force),
-        coulomb_fraction: rows.iter().map(|row| row.coulomb_fraction).collect(),
-    }
 }
 
 #[cfg(test)]

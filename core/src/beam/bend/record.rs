@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::beam::curve::Sample;
 use crate::beam::probe;
 use crate::beam::rig::Friction;
 use crate::beam::run::Run;
@@ -19,7 +20,7 @@ pub(super) struct Record {
     way: f64,
     /// Way of the rods, down.
     travel: f64,
-    pub(super) rows: Vec<Row>,
+    rows: Vec<Row>,
 }
 
 /// Means over one way of the rods.
@@ -68,6 +69,11 @@ impl Record {
         self.travel += way;
     }
 
+    /// Way of the rods so far, down \[m\].
+    pub(super) fn travel(&self) -> f64 {
+        self.travel
+    }
+
     pub(super) fn is_due(&self, sample_way: f64) -> bool {
         self.way >= sample_way
     }
@@ -83,6 +89,13 @@ impl Record {
         }
     }
 
+    /// The rows since the first touch, when the middle was at the height `zero`: everything before is the rods' way through the air.
+    pub(super) fn since_touch(&self, zero: f64) -> &[Row] {
+        let touch = |row: &Row| row.height.to_bits() == zero.to_bits();
+        let first = self.rows.iter().position(touch);
+        &self.rows[first.unwrap_or(self.rows.len())..]
+    }
+
     /// Keeps a row and begins the next.
     pub(super) fn close(&mut self, row: Row) -> Row {
         self.rows.push(row);
@@ -92,6 +105,16 @@ impl Record {
 }
 
 impl Row {
+    /// As a sample of the curve of a beam whose middle was at the height `zero` when the rods first touched.
+    pub(super) fn sample(&self, zero: f64) -> Sample {
+        Sample {
+            time: self.time,
+            rod_travel: self.travel,
+            force: self.force,
+            deflection: zero - self.height,
+        }
+    }
+
     /// The row of these means, with the contacts as they are now.
     pub(super) fn of<T: Friction>(run: &Run<T>, spec: &BendSpec, means: Means) -> Self {
         let contacts = probe::contacts(&run.beam);

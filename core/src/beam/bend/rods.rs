@@ -1,17 +1,25 @@
-//! The rods' program: down to the strain of a cycle and up again, as often as asked, then down to the last strain.
+//! The rods' program: down to the strain of a cycle and up again, as often as asked, then down to the last strain,
+//! or less far once the beam has yielded.
 
 use serde::{Deserialize, Serialize};
 
 use super::record::Row;
-use crate::beam::curve::Dimensions;
+use crate::beam::curve::{Curve, Dimensions};
 use crate::beam::prediction::rod_travel;
 use crate::beam::spec::{BendSpec, JamSpec};
 use crate::beam::state::Past;
 use crate::beam::stiffness::ELASTIC_STRAIN;
+use crate::beam::strength::ultimate_strength;
 use crate::guard::Stop;
 
 /// Stress at which the test begins, over Δp.
 const CONTACT_STRESS: f64 = 1e-3;
+
+/// Strain before which no beam counts as bent far enough.
+const LEAST_STRAIN_END: f64 = 0.05;
+
+/// Rows between two looks for the beam's yield.
+const ROWS_PER_LOOK: usize = 20;
 
 /// How the rods move, and how far the test has come.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -33,6 +41,7 @@ pub(super) struct Drive {
     cycles: u32,
     cycle_strain: f64,
     strain_end: f64,
+    strain_end_over_yield: f64,
     sample_way: f64,
     over: bool,
 }
@@ -54,6 +63,7 @@ impl Drive {
             cycles: spec.cycles,
             cycle_strain: spec.cycle_strain,
             strain_end: spec.strain_end,
+            strain_end_over_yield: spec.strain_end_over_yield,
             sample_way: rod_travel(&mold, spec.sample_strain),
             over: false,
         }
@@ -127,6 +137,22 @@ impl Drive {
         Ok(())
     }
 
+    /// Ends the test if the beam is found to have yielded, and to be bent far enough beyond; `rows` are those since the first touch.
+    pub(super) fn look_for_yield(&mut self, rows: &[Row]) {
+        let (Some(zero), Some(last)) = (self.zero, rows.last()) else {
+            return;
+        };
+        let strain = self.mold.strain(zero - last.height);
+        let due = self.strain_end_over_yield > 0.0 && rows.len().is_multiple_of(ROWS_PER_LOOK);
+        if !due || self.cycles > 0 || strain < LEAST_STRAIN_END {
+            return;
+        }
+        let samples: Vec<_> = rows.iter().map(|row| row.sample(zero)).collect();
+        if let Ok(found) = ultimate_strength(&Curve::of(&samples, &self.mold)) {
+            self.over |= strain >= self.strain_end_over_yield * found.strain;
+        }
+    }
+
     fn check_contact(&self, row: &Row) -> Result<(), Stop> {
         let most = 2.0 * (self.gap() + rod_travel(&self.mold, ELASTIC_STRAIN));
         if row.travel <= most {
@@ -149,3 +175,5 @@ impl Drive {
 
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod yield_tests;

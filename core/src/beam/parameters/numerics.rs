@@ -66,4 +66,11 @@ pub(super) const NUMERICS: &[Parameter] = &[
         5e-4,
         "Way of the rods between two snapshots, stored or analyzed.",
     ),
+    Parameter::real(
+        HERE,
+        ("strain_end_over_yield", "ε_end/ε_Y", ""),
+        (Closed(0.0), Closed(100.0)),
+        0.0,
+        "Bending also ends once the beam has yielded, at so many times the strain at which it did and not before ε = 0.05; 0 is never.",
+    ),
 ];

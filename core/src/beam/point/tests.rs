@@ -70,6 +70,7 @@ fn bending_is_repeated_on_one_packing_and_pressure_on_one_growth() {
         membrane_rest: MembraneRest::ResetAfterCompaction,
         rod_speed: Some(1e-3),
         strain_end: 0.05,
+        strain_end_over_yield: 1.5,
         time_step_fraction: 0.2,
         cycles: 3,
         structure: true,

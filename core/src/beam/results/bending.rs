@@ -237,11 +237,11 @@ pub(super) const BENDING: &[Quantity] = &[
     Quantity::new(
         "unloading_loss",
         ("ΔW/W", ""),
-        "Share of the work that one cycle loses; null without cycles.",
+        "Share of the rods' work that the first cycle loses; null without cycles.",
     ),
     Quantity::new(
         "contact_updates",
         ("n_c", ""),
-        "Contacts computed, all steps together.",
+        "Contacts computed, of grains with grains and with the membrane, all steps together.",
     ),
 ];

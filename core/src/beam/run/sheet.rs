@@ -51,6 +51,10 @@ impl<T: Friction> Run<T> {
     /// A run that goes on from a checkpoint misses nothing: checkpoints are taken at reports, after this.
     pub(super) fn check_sheet(&mut self) -> Result<(), StageFailure> {
         let membrane = &self.beam.surroundings.membrane;
+        let volume = membrane.mesh().volume();
+        if volume <= 0.0 {
+            return Err(self.collapsed(format!("the membrane encloses {volume:.1e} m³")));
+        }
         let now: Vec<[f64; 3]> = membrane.mesh().normals().collect();
         let before = if self.normals.is_empty() {
             &now

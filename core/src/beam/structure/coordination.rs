@@ -17,6 +17,8 @@ pub struct Coordination {
     pub without_rattlers: Option<f64>,
     /// The number of grains so removed.
     pub rattlers: usize,
+    /// Their share of all grains.
+    pub rattler_fraction: Option<f64>,
     /// (2 N_c + N_m)/N: with the contacts of grains and membrane.
     pub with_membrane: Option<f64>,
 }
@@ -38,6 +40,7 @@ pub fn coordination(packing: &Packing<'_>) -> Coordination {
         bulk: ratio(bulk.iter().sum::<usize>() as f64, bulk.len()),
         without_rattlers: ratio(left as f64, counts.len() - rattlers),
         rattlers,
+        rattler_fraction: ratio(rattlers as f64, counts.len()),
         with_membrane: ratio(with_membrane as f64, counts.len()),
     }
 }
@@ -154,5 +157,9 @@ mod tests {
         let one = coordination(&Beam::of(mesh(), [[4.5; 3]], 0.5).packing());
         assert_eq!((one.all, one.bulk), (Some(0.0), Some(0.0)));
         assert_eq!((one.without_rattlers, one.rattlers), (None, 1));
+        assert_eq!(
+            (one.rattler_fraction, none.rattler_fraction),
+            (Some(1.0), None)
+        );
     }
 }

@@ -44,6 +44,29 @@ impl Field {
         self.values[(k * self.count[1] + j) * self.count[0] + i]
     }
 
+    /// The mean over the depth: one layer of nodes in the middle, each of those that have a value.
+    #[must_use]
+    pub fn averaged_over_depth(&self) -> Self {
+        let [nx, ny, nz] = self.count;
+        let mean = |i: usize, k: usize| {
+            let values: Vec<[f64; 3]> = (0..ny).filter_map(|j| self.at([i, j, k])).collect();
+            let sum = values.iter().fold([0.0; 3], |sum, value| add(sum, *value));
+            (!values.is_empty()).then(|| scale(sum, 1.0 / values.len() as f64))
+        };
+        let middle = 0.5 * (self.coordinate(1, 0) + self.coordinate(1, ny - 1));
+        let nodes = (0..nz).flat_map(|k| (0..nx).map(move |i| (i, k)));
+        Self {
+            low: [self.low[0], middle, self.low[2]],
+            spacing: [
+                self.spacing[0],
+                self.spacing[1] * ny as f64,
+                self.spacing[2],
+            ],
+            count: [nx, 1, nz],
+            values: nodes.map(|(i, k)| mean(i, k)).collect(),
+        }
+    }
+
     /// Where along `axis` the node number `k` stands \[m\].
     #[must_use]
     pub fn coordinate(&self, axis: usize, k: usize) -> f64 {

@@ -83,3 +83,29 @@ fn few_grains_and_a_grain_at_the_center_have_defined_answers() {
         })
     );
 }
+
+#[test]
+fn the_mean_over_the_depth_is_one_layer_in_the_middle_of_what_is_known() {
+    // Two by three by one nodes; at the second x only one of the three has a value.
+    let field = Field {
+        low: [0.5, 1.0, 7.0],
+        spacing: [1.0, 2.0, 3.0],
+        count: [2, 3, 1],
+        values: vec![
+            Some([1.0, 0.0, 3.0]),
+            None,
+            Some([2.0, 0.0, -3.0]),
+            Some([8.0, 4.0, 1.0]),
+            Some([3.0, 3.0, 0.0]),
+            None,
+        ],
+    };
+    let found = field.averaged_over_depth();
+    assert_eq!(
+        (found.low, found.spacing),
+        ([0.5, 3.0, 7.0], [1.0, 6.0, 3.0])
+    );
+    assert_eq!(found.count, [2, 1, 1]);
+    assert_eq!(found.at([0, 0, 0]), Some([2.0, 1.0, 0.0]));
+    assert_eq!(found.at([1, 0, 0]), Some([8.0, 4.0, 1.0]));
+}
