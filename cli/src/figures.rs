@@ -53,6 +53,9 @@ pub(crate) struct Args {
     /// File that holds the bearer token; not needed on loopback.
     #[arg(long, env = "GRANARY_TOKEN_FILE", value_name = "FILE")]
     token_file: Option<PathBuf>,
+    /// Draw this sweep instead, a variation of one's own.
+    #[arg(long, value_name = "ID", requires = "name", conflicts_with = "spec")]
+    sweep: Option<SweepId>,
     /// Draw what is there, and compute nothing.
     #[arg(long)]
     as_is: bool,
@@ -133,7 +136,7 @@ async fn list(args: &Args) -> anyhow::Result<Done> {
         more => format!("{more} packings"),
     };
     output::line(&format!(
-        "preset {preset}, {packings}; figures of one sweep share their points"
+        "preset {preset}, {packings}; what figures have in common is computed once"
     ))?;
     Ok(Done::Complete)
 }
@@ -146,12 +149,7 @@ async fn draw(args: &Args, figure: &Figure) -> anyhow::Result<Done> {
             token_file: args.token_file.clone(),
         };
         let client = server.client()?;
-        let sweep = known(&client, &spec).await?.with_context(|| {
-            format!(
-                "the server has no such sweep\n  submit it: granary figures {} --spec | granary submit -",
-                figure.name
-            )
-        })?;
+        let sweep = known(&client, args, &spec).await?;
         return write(&client, sweep, figure, &args.out).await;
     }
     log::to_stderr(tracing::Level::WARN);
@@ -170,9 +168,8 @@ async fn draw_here(
     spec: &SpecFile,
 ) -> anyhow::Result<Done> {
     let client = service.client().await?;
-    if args.as_is {
-        let sweep = known(&client, spec).await?;
-        let sweep = sweep.context("nothing of it is here; without --as-is it is computed")?;
+    if args.as_is || args.sweep.is_some() {
+        let sweep = known(&client, args, spec).await?;
         return write(&client, sweep, figure, &args.out).await;
     }
     match run::compute(service, &client, spec, args.threads).await? {
@@ -181,9 +178,22 @@ async fn draw_here(
     }
 }
 
-/// The sweep of this spec, if it was ever submitted.
-async fn known(client: &ApiClient, spec: &SpecFile) -> anyhow::Result<Option<SweepId>> {
-    Ok(client.submit(spec, true).await?.sweep)
+/// The sweep that was named, or the one of this spec if it was ever submitted.
+async fn known(client: &ApiClient, args: &Args, spec: &SpecFile) -> anyhow::Result<SweepId> {
+    if let Some(sweep) = args.sweep {
+        return Ok(sweep);
+    }
+    let found = client.submit(spec, true).await?.sweep;
+    found.with_context(|| {
+        let (name, preset, packings) = (&spec.name, &args.preset, args.packings);
+        let spec = format!("granary figures {name} --preset {preset} --packings {packings} --spec");
+        match &args.server {
+            Some(server) => format!(
+                "the server has no such sweep\n  submit it: {spec} | granary submit - --server {server}"
+            ),
+            None => "nothing of it is here; without --as-is it is computed".to_owned(),
+        }
+    })
 }
 
 /// Writes what there is of a figure; some of it may be missing.

@@ -16,8 +16,6 @@ const STRAIN: Axis = Axis {
     unit: "",
     column: "strain",
 };
-/// Strain to which cycles go, and a little beyond.
-const CYCLE: f64 = 0.0021;
 /// Samples that are averaged to one dot of a curve over stress: contacts come and go from one to the next.
 const SMOOTHED: usize = 10;
 
@@ -38,20 +36,23 @@ pub(super) fn stress_strain(data: &Data) -> Drawing {
             continue;
         };
         let cyclic = real(row, "cycles").is_some_and(|cycles| cycles > 0.0);
-        let dots = history.strain.iter().zip(&history.stress);
-        let dots = dots.map(|(strain, stress)| Dot::new(*strain, stress * 1e-3));
         let of = if cyclic { &mut inset } else { &mut chart };
         if !of.curves.is_empty() {
             continue;
         }
-        // The last loading goes on to the end of the test, which the inset does not show.
-        let dots: Vec<Dot> = dots.take_while(|dot| !cyclic || dot.x < CYCLE).collect();
+        let count = if cyclic {
+            cycles_of(history)
+        } else {
+            usize::MAX
+        };
+        let dots = history.strain.iter().zip(&history.stress).take(count);
+        let dots = dots.map(|(strain, stress)| Dot::new(*strain, stress * 1e-3));
         of.curves.push(Curve {
             label: if cyclic { "cyclic" } else { "bending" }.to_owned(),
             told: !cyclic,
             color: 0,
             style: Style::Solid,
-            dots,
+            dots: dots.collect(),
         });
         if !cyclic {
             chart.curves.extend(found(row, history));
@@ -64,6 +65,18 @@ pub(super) fn stress_strain(data: &Data) -> Drawing {
         panels: vec![Panel::Chart(chart)],
         columns: 1,
     }
+}
+
+/// Samples of the cycles, and of the last loading as far as they went.
+fn cycles_of(history: &History) -> usize {
+    let up = history
+        .rod_travel
+        .windows(2)
+        .rposition(|way| way[1] < way[0]);
+    let turned = up.map_or(0, |up| up + 1).min(history.strain.len());
+    let (cycles, last) = history.strain.split_at(turned);
+    let most = cycles.iter().copied().fold(0.0, f64::max);
+    turned + last.iter().take_while(|strain| **strain <= most).count()
 }
 
 /// The lines that E_b and Y_b are.

@@ -19,6 +19,7 @@ use crate::api_client::ApiClient;
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(default)]
 pub(crate) struct History {
+    pub(crate) rod_travel: Vec<f64>,
     pub(crate) strain: Vec<f64>,
     pub(crate) stress: Vec<f64>,
     pub(crate) volume_fraction: Vec<f64>,

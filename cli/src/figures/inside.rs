@@ -55,13 +55,9 @@ const LATE: f64 = 175e3;
 const INTERVAL: f64 = 25.0;
 
 /// The first analyzed beam among the points that are kept.
-fn first<'a>(
-    data: &'a Data,
-    keep: impl Fn(&PointRow) -> bool,
-) -> Option<(&'a PointRow, &'a Structure)> {
-    let kept = data.points.iter().filter(|row| keep(row));
-    kept.filter_map(|row| Some((row, data.structures.get(&row.point)?)))
-        .next()
+fn first(data: &Data, keep: impl Fn(&PointRow) -> bool) -> Option<&Structure> {
+    let mut kept = data.points.iter().filter(|row| keep(row));
+    kept.find_map(|row| data.structures.get(&row.point))
 }
 
 fn solid(label: String, color: usize, dots: Vec<Dot>) -> Curve {
@@ -96,7 +92,7 @@ pub(super) fn pair_correlation(data: &Data) -> Drawing {
         let values = data.by(name, |row| is(row, other, usual));
         for (color, (value, _)) in values.into_iter().enumerate() {
             let here = |row: &PointRow| is(row, other, usual) && is(row, name, value);
-            let found = first(data, here).and_then(|(_, structure)| {
+            let found = first(data, here).and_then(|structure| {
                 let pairs = structure.snapshots.first()?.pair_correlation.as_ref()?;
                 let (diameter, all) = (structure.mean_diameter?, pairs.paper.all.as_ref()?);
                 let places = pairs.distances.iter().map(move |r| r / diameter);
@@ -129,7 +125,7 @@ pub(super) fn displacement(data: &Data) -> Drawing {
     let mut panels = vec![];
     for (component, name) in [(0, "x"), (1, "y")] {
         for stress in EARLY_AND_LATE {
-            let change = found.and_then(|(_, structure)| nearest(&structure.changes, stress));
+            let change = found.and_then(|structure| nearest(&structure.changes, stress));
             let field =
                 change.and_then(|change| Some((change.stress, change.displacement.as_ref()?)));
             let letter = char::from(b'a' + panels.len() as u8);
@@ -196,7 +192,7 @@ pub(super) fn autocorrelation(data: &Data) -> Drawing {
         DISTANCE,
         CORRELATION,
     );
-    if let Some((_, structure)) = first(data, |_| true) {
+    if let Some(structure) = first(data, |_| true) {
         let mut all = structure.changes.iter();
         let distances = all.find_map(|change| change.autocorrelation.as_ref());
         let places = distances.map_or(&[][..], |found| &found.distances);
@@ -227,7 +223,7 @@ fn profile(structure: &Structure, bin: &StressBin) -> Vec<Dot> {
 /// Figure 14.
 pub(super) fn height(data: &Data) -> Drawing {
     let mut chart = Chart::new("E_p = 100 MPa, μ_p = 0.3", HEIGHT, PROFILE);
-    if let Some((_, structure)) = first(data, |_| true) {
+    if let Some(structure) = first(data, |_| true) {
         for (color, bin) in structure.by_stress.height_profile.iter().enumerate() {
             chart
                 .curves
@@ -241,7 +237,7 @@ pub(super) fn height(data: &Data) -> Drawing {
 pub(super) fn height_and_friction(data: &Data) -> Drawing {
     let mut chart = Chart::new("175 kPa ≤ σ ≤ 200 kPa, protocol B", HEIGHT, PROFILE);
     for (color, (friction, _)) in data.by(MU.column, |_| true).into_iter().enumerate() {
-        let Some((_, structure)) = first(data, |row| is(row, MU.column, friction)) else {
+        let Some(structure) = first(data, |row| is(row, MU.column, friction)) else {
             continue;
         };
         let late = |bin: &&StressBin| (bin.from - LATE).abs() < 1.0;

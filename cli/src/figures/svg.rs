@@ -125,6 +125,10 @@ pub(crate) fn picture(drawing: &Drawing, title: &str) -> String {
             Panel::Chart(chart) => chart::draw(&mut canvas, area, chart),
             Panel::Heatmap(map) => heatmap::draw(&mut canvas, area, map),
         }
+        if panel.is_empty() {
+            let middle = [area.x + 0.5 * area.width, area.y + 0.4 * area.height];
+            canvas.text(middle, Anchor::Middle, "no number yet");
+        }
     }
     let (width, height) = (columns as f64 * PANEL[0], rows as f64 * PANEL[1]);
     let title = escaped(title);

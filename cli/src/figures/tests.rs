@@ -172,12 +172,18 @@ fn curve_is_drawn_with_its_stiffness_its_strength_and_a_cycle() {
         stress: vec![0.0, 10e3, 20e3, 100e3],
         ..History::default()
     };
+    let cyclic = History {
+        rod_travel: vec![0.0, 2.0, 0.5, 1.0, 3.0],
+        strain: vec![0.0, 0.002, 0.0005, 0.001, 0.01],
+        stress: vec![0.0, 20e3, 3e3, 9e3, 60e3],
+        ..History::default()
+    };
     let data = Data {
         points: vec![
             point(0, &json!({"cycles": 0}), &found),
             point(1, &json!({"cycles": 3}), &found),
         ],
-        histories: BTreeMap::from([(0, history.clone()), (1, history)]),
+        histories: BTreeMap::from([(0, history), (1, cyclic)]),
         ..Data::default()
     };
     let drawing = drawn("fig5", &data);
@@ -191,7 +197,9 @@ fn curve_is_drawn_with_its_stiffness_its_strength_and_a_cycle() {
     let end = whole.curves[1].dots[1];
     assert!((end.x - 0.01).abs() < 1e-12 && (end.y - 100.0).abs() < 1e-9);
     let inset = whole.inset.as_ref().expect("a cycle");
-    assert_eq!(inset.curves[0].dots.len(), 3);
+    // There, back, and again as far as it went before.
+    let strains: Vec<f64> = inset.curves[0].dots.iter().map(|dot| dot.x).collect();
+    assert_eq!(strains, [0.0, 0.002, 0.0005, 0.001]);
     let files: Vec<&str> = drawing.panels[0]
         .csv()
         .iter()

@@ -47,7 +47,7 @@ export function HeatmapTable({ map, label, range, result, across, upward, link }
           </tbody>
         </table>
       </div>
-      {range && <Scale range={range} result={result} />}
+      {range && range[0] < range[1] && <Scale range={range} result={result} />}
     </figure>
   );
 }

@@ -83,6 +83,13 @@ fn dot_that_is_no_number_leaves_no_trace() {
 }
 
 #[test]
+fn chart_without_numbers_says_so() {
+    let empty = Chart::new("(a)", STRAIN, STRESS);
+    assert!(drawn(Panel::Chart(empty)).contains(">no number yet<"));
+    assert!(!drawn(Panel::Chart(chart())).contains("no number yet"));
+}
+
+#[test]
 fn tiles_have_colors_numbers_and_reasons() {
     let tile = |value: Option<f64>, reason: &str| Tile {
         value,
