@@ -169,18 +169,36 @@ pub(super) fn over_friction(data: &Data) -> Drawing {
                 strength.curves.push(line_of(label, color, line, from, law));
             }
             if let Some(fit) = strengths::published(modulus, protocol) {
-                let first = !strength.curves.iter().any(|c| c.style == Style::Dotted);
                 let label = format!("{} MPa, {protocol}, published fit", modulus * 1e-6);
                 let law = move |mu: f64| fit.at(mu);
-                let mut curve = line_of(label, color, Style::Dotted, from, law);
-                curve.told = first;
-                strength.curves.push(curve);
+                strength
+                    .curves
+                    .push(line_of(label, color, Style::Dotted, from, law));
             }
+        }
+    }
+    for (style, label) in [
+        (Style::Solid, "our fits of Eq. (4)"),
+        (Style::Dotted, "published fits"),
+    ] {
+        if strength.curves.iter().any(|curve| curve.style == style) {
+            strength.curves.push(in_legend(label, style));
         }
     }
     Drawing {
         panels: vec![Panel::Chart(stiffness), Panel::Chart(strength)],
         columns: 2,
+    }
+}
+
+/// A curve that only the legend shows.
+fn in_legend(label: &str, style: Style) -> Curve {
+    Curve {
+        label: label.to_owned(),
+        told: true,
+        color: 0,
+        style,
+        dots: vec![],
     }
 }
 

@@ -112,11 +112,13 @@ fn found(row: &PointRow, history: &History) -> Vec<Curve> {
 /// Figure 9.
 pub(super) fn forces(data: &Data) -> Drawing {
     let forces = axis("⟨F⟩", "N", "mean_contact_force_n");
-    let parts = axis("⟨F_n⟩, ⟨F_t⟩", "N", "force_n");
+    let normal = axis("⟨F_n⟩", "N", "mean_normal_force_n");
+    let tangential = axis("⟨F_t⟩", "N", "mean_tangential_force_n");
     let limit = axis("fraction at the Coulomb limit", "", "coulomb_fraction");
     let mut charts = [
         Chart::new("(a) E_p = 100 MPa, protocol B", STRESS, forces),
-        Chart::new("(b)", STRESS, parts),
+        Chart::new("(b), left axis", STRESS, normal),
+        Chart::new("(b), right axis", STRESS, tangential),
         Chart::new("(c)", STRESS, limit),
     ];
     for (color, (friction, rows)) in data.by(MU.column, |_| true).into_iter().enumerate() {
@@ -126,37 +128,27 @@ pub(super) fn forces(data: &Data) -> Drawing {
             };
             let known = |values: &[f64]| values.iter().copied().map(Some).collect::<Vec<_>>();
             let label = told(MU.symbol, friction);
-            let mut add = |panel: usize, what: &str, style: Style, values: &[Option<f64>]| {
-                charts[panel].curves.push(Curve {
-                    label: format!("{what}{label}"),
+            let forces = [
+                known(&history.mean_contact_force),
+                known(&history.mean_normal_force),
+                known(&history.mean_tangential_force),
+                history.coulomb_fraction.clone(),
+            ];
+            for (chart, values) in charts.iter_mut().zip(forces) {
+                chart.curves.push(Curve {
+                    label: label.clone(),
                     told: k == 0,
                     color,
-                    style,
-                    dots: over_stress(&history.stress, values),
+                    style: Style::Solid,
+                    dots: over_stress(&history.stress, &values),
                 });
-            };
-            add(0, "", Style::Solid, &known(&history.mean_contact_force));
-            add(
-                1,
-                "⟨F_n⟩, ",
-                Style::Solid,
-                &known(&history.mean_normal_force),
-            );
-            add(
-                1,
-                "⟨F_t⟩, ",
-                Style::Dashed,
-                &known(&history.mean_tangential_force),
-            );
-            add(2, "", Style::Solid, &history.coulomb_fraction);
-            for chart in &mut charts {
                 chart.verticals.extend(yields(row, &label, color));
             }
         }
     }
     Drawing {
         panels: charts.map(Panel::Chart).to_vec(),
-        columns: 3,
+        columns: 2,
     }
 }
 

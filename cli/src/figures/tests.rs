@@ -122,7 +122,7 @@ fn strengths_stand_beside_both_fits() {
         let mut all = strength
             .curves
             .iter()
-            .filter(move |curve| curve.style == style);
+            .filter(move |curve| curve.style == style && !curve.dots.is_empty());
         all.next_back().expect("a curve")
     };
     assert_eq!(of(Style::Open).label, "100 MPa, B");
@@ -230,9 +230,9 @@ fn forces_are_drawn_over_stress_with_a_line_at_the_strength() {
     };
     let drawing = drawn("fig9", &data);
     assert_eq!(chart(&drawing, 0).curves[0].dots.len(), 2);
-    assert_eq!(chart(&drawing, 1).curves[1].style, Style::Dashed);
-    assert_eq!(chart(&drawing, 2).curves[0].dots.len(), 1);
-    assert!((chart(&drawing, 2).verticals[0].at - 80.0).abs() < 1e-9);
+    assert!((chart(&drawing, 2).curves[0].dots[1].y - 0.3).abs() < 1e-9);
+    assert_eq!(chart(&drawing, 3).curves[0].dots.len(), 1);
+    assert!((chart(&drawing, 3).verticals[0].at - 80.0).abs() < 1e-9);
 }
 
 /// A beam of diameter 5 mm with one change at 180 kPa.
