@@ -8,7 +8,7 @@ const SPEC = {
   name: "two beams",
   model: "beam",
   preset: "smoke",
-  fixed: { protocol: "B", length: 0.06, height: 0.02, depth: 0.02 },
+  fixed: { protocol: "B" },
   numerics: { strain_end: 0.004 },
   grid: [{ friction_coefficient: [0.3, 1.2] }],
 };
