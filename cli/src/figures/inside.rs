@@ -149,15 +149,14 @@ fn nearest(changes: &[Change], stress: f64) -> Option<&Change> {
 fn field_map(title: &str, field: &Field, component: usize) -> Heatmap {
     let [columns, _, rows] = field.count;
     let along = |axis: usize, k: usize| 1e3 * (field.low[axis] + field.spacing[axis] * k as f64);
-    let tile = |i: usize, k: usize| Tile {
-        value: field
-            .values
-            .get(k * columns + i)
-            .copied()
-            .flatten()
-            .map(|r| r[component] * 1e6),
-        reason: "too few grains".to_owned(),
-        ..Tile::default()
+    let tile = |i: usize, k: usize| {
+        let node = field.values.get(k * columns + i).copied().flatten();
+        let reason = if node.is_some() { "" } else { "too few grains" };
+        Tile {
+            value: node.map(|r| r[component] * 1e6),
+            reason: reason.to_owned(),
+            ..Tile::default()
+        }
     };
     Heatmap {
         title: title.to_owned(),

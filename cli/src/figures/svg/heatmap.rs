@@ -111,7 +111,11 @@ fn color(share: f64) -> String {
 fn axes(canvas: &mut Canvas, tiles: Area, size: [f64; 2], map: &Heatmap) {
     let small = format!(" font-size=\"11\" fill=\"{QUIET}\"");
     let bottom = tiles.y + tiles.height;
-    let every = |count: usize| count.div_ceil(MOST_NUMBERS).max(1);
+    // Values of a grid are long and many: some are named, rounded.
+    let every = |count: usize| match count {
+        0..=MOST_NUMBERS => 1,
+        _ => count.div_ceil(MOST_NUMBERS / 2),
+    };
     for (column, value) in map
         .across
         .iter()
@@ -119,7 +123,7 @@ fn axes(canvas: &mut Canvas, tiles: Area, size: [f64; 2], map: &Heatmap) {
         .step_by(every(map.across.len()))
     {
         let x = tiles.x + (column as f64 + 0.5) * size[0];
-        canvas.styled_text([x, bottom + 15.0], Anchor::Middle, &small, &number(*value));
+        canvas.styled_text([x, bottom + 15.0], Anchor::Middle, &small, &short(*value));
     }
     for (row, value) in map
         .upward
@@ -128,7 +132,7 @@ fn axes(canvas: &mut Canvas, tiles: Area, size: [f64; 2], map: &Heatmap) {
         .step_by(every(map.upward.len()))
     {
         let y = bottom - (row as f64 + 0.5) * size[1] + 4.0;
-        canvas.styled_text([tiles.x - 6.0, y], Anchor::End, &small, &number(*value));
+        canvas.styled_text([tiles.x - 6.0, y], Anchor::End, &small, &short(*value));
     }
     let middle = [tiles.x + 0.5 * tiles.width, tiles.y + 0.5 * tiles.height];
     canvas.text([middle[0], bottom + 36.0], Anchor::Middle, &map.x.title());
