@@ -2,8 +2,8 @@
 
 use crate::failure::Done;
 use crate::{
-    bench, demo, health, models, openapi, replay, results, run, serve, steer, submit, sweeps,
-    token, watch, worker, workers,
+    bench, demo, figures, health, models, openapi, replay, results, run, serve, steer, submit,
+    sweeps, token, watch, worker, workers,
 };
 
 /// What `granary` can be told to do.
@@ -28,6 +28,7 @@ pub(crate) enum Command {
     Replay(replay::Args),
     Workers(workers::Args),
     Health(health::Args),
+    Figures(figures::Args),
     Bench(bench::Args),
     Models(models::Args),
     Openapi(openapi::Args),
@@ -53,6 +54,7 @@ impl Command {
             Self::Replay(args) => replay::run(args).await,
             Self::Health(args) => health::run(args).await,
             Self::Workers(args) => workers::run(args).await,
+            Self::Figures(args) => figures::run(args).await,
             Self::Bench(args) => bench::run(&args).await,
             Self::Models(args) => models::run(&args),
             Self::Openapi(args) => openapi::run(&args),

@@ -18,6 +18,7 @@ mod service;
 
 mod bench;
 mod demo;
+mod figures;
 mod health;
 mod models;
 mod openapi;

@@ -1,5 +1,7 @@
 //! The authors' published results, to be shown beside ours: from their data repository, CC0.
 
+pub(crate) mod strengths;
+
 /// The file as they published it, columns renamed.
 const CSV: &str = include_str!("../../tests/data/waveform-memory-published.csv");
 

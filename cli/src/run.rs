@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use granary_api::id::SweepId;
-use granary_api::sweep::SweepState;
+use granary_api::sweep::{Sweep, SweepState};
 use granary_api::table::{PointRow, SetRow};
 use granary_server::Config;
 use serde_json::json;
@@ -40,15 +40,29 @@ pub(crate) async fn run(args: Args) -> anyhow::Result<Done> {
     log::to_stderr(tracing::Level::WARN);
     let spec = SpecFile::read(&args.spec)?;
     let mut service = Service::open(Config::new(&args.data), "granary run").await?;
-    let done = compute(&mut service, &args, &spec).await;
+    let done = whole(&mut service, &args, &spec).await;
     let stopped = service.stop().await;
     let done = done?;
     stopped?;
     Ok(done)
 }
 
-async fn compute(service: &mut Service, args: &Args, spec: &SpecFile) -> anyhow::Result<Done> {
+async fn whole(service: &mut Service, args: &Args, spec: &SpecFile) -> anyhow::Result<Done> {
     let client = service.client().await?;
+    let Some(finished) = compute(service, &client, spec, args.threads).await? else {
+        return Ok(Done::Interrupted);
+    };
+    print(&client, finished.sweep, args.json).await?;
+    Ok(watch::verdict(&finished))
+}
+
+/// Computes a sweep in this process; none if the user interrupted it.
+pub(crate) async fn compute(
+    service: &mut Service,
+    client: &ApiClient,
+    spec: &SpecFile,
+    threads: Option<usize>,
+) -> anyhow::Result<Option<Sweep>> {
     let submitted = client.submit(spec, false).await?;
     submit::announce(&submitted);
     let Some(sweep) = submitted.sweep else {
@@ -58,13 +72,9 @@ async fn compute(service: &mut Service, args: &Args, spec: &SpecFile) -> anyhow:
         client.steer(sweep, "resume").await?;
     }
     service.stay_alone().await?;
-    let threads = args.threads.unwrap_or_else(all_cores).max(1);
-    // The stages of one beam come one after the other: two threads can only share a stage.
-    let one_beam = submitted.points == 1 && submitted.jobs.total <= 3;
-    let per_job = if one_beam { threads.min(2) } else { 1 };
-    service.work_by(threads / per_job, per_job);
-    let finished = tokio::select! {
-        finished = watch::follow(&client, sweep) => finished?,
+    service.work(threads.unwrap_or_else(all_cores));
+    tokio::select! {
+        finished = watch::follow(client, sweep) => finished.map(Some),
         ended = service.watch() => {
             ended?;
             anyhow::bail!("the engine threads ended before the sweep");
@@ -74,11 +84,9 @@ async fn compute(service: &mut Service, args: &Args, spec: &SpecFile) -> anyhow:
             // Another sweep run in this directory should not share the machine with this one.
             client.steer(sweep, "pause").await?;
             eprintln!("interrupted; the same command goes on from here");
-            return Ok(Done::Interrupted);
+            Ok(None)
         }
-    };
-    print(&client, sweep, args.json).await?;
-    Ok(watch::verdict(&finished))
+    }
 }
 
 /// Prints both tables as JSON, or the one that says most to people.

@@ -205,3 +205,35 @@ fn examples_are_valid_and_count_what_they_say() {
         assert_eq!(planned["warnings"].as_array().map(Vec::len), Some(warnings));
     }
 }
+
+#[test]
+fn figures_are_listed_printed_submitted_and_drawn_as_far_as_they_are() {
+    let sandbox = Sandbox::new();
+    let list = sandbox.run(&["figures"]).expect(0).stdout;
+    let names = |name: &&str| list.lines().any(|line| line.starts_with(name));
+    assert!(["fig3 ", "fig16 ", "table1 "].iter().all(names), "{list}");
+    let spec = ["figures", "fig5", "--preset", "smoke", "--spec"];
+    let spec = sandbox.run(&spec).expect(0).stdout;
+    sandbox.write("fig5.toml", &spec);
+    let (_server, address) = sandbox.serve(&["--data", "data", "--workers", "0"]);
+    let draw =
+        |name: &str| sandbox.run(&["figures", name, "--preset", "smoke", "--server", &address]);
+    let unknown = draw("fig5").expect(1);
+    assert!(
+        unknown
+            .stderr
+            .contains("granary figures fig5 --preset smoke")
+    );
+    let submit = ["submit", "fig5.toml", "--server", &address];
+    assert_eq!(sandbox.run(&submit).code, Some(0));
+    // Nothing is computed yet, and the picture says no more than that.
+    let drawn = draw("fig5").expect(3);
+    assert!(
+        drawn.stderr.contains("of 2 points 0 are done"),
+        "{drawn:#?}"
+    );
+    let picture = std::fs::read_to_string(sandbox.path("figures/fig5.svg")).expect("a picture");
+    assert!(picture.contains("σ (kPa)") && picture.contains("no number yet"));
+    let missing = draw("fig11").expect(1);
+    assert!(missing.stderr.contains("is not drawn yet"), "{missing:#?}");
+}

@@ -1,5 +1,6 @@
 // The server's API: the only place, with `events`, that fetches.
 
+import { type History, parseHistory } from "./history";
 import type { components } from "./schema";
 import { token } from "./token";
 
@@ -100,4 +101,15 @@ export function listPoints(sweep: string, query: TableQuery, signal: AbortSignal
 /** One job: why it failed, who ran it. */
 export function readJob(job: string, signal: AbortSignal): Promise<Job> {
   return read(`/jobs/${encodeURIComponent(job)}`, signal);
+}
+
+/** Where a stored file is. */
+export function artifactPath(hash: string): string {
+  return `/api/v1/artifacts/${encodeURIComponent(hash)}`;
+}
+
+/** The record of a bending. */
+export async function readHistory(hash: string, signal: AbortSignal): Promise<History> {
+  const record = await read<unknown>(`/artifacts/${encodeURIComponent(hash)}`, signal);
+  return parseHistory(record);
 }

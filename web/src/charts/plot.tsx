@@ -4,6 +4,7 @@ import { useEffect, useRef, useState } from "preact/hooks";
 import uPlot from "uplot";
 import { count, number, withError } from "../format";
 import type { Quantity } from "../quantity";
+import { axisLook, HEIGHT, ink as inkOf, title, useDark } from "./look";
 import { isLogarithmic, rangeOf, type Series } from "./series";
 
 /** Series told apart by color. */
@@ -12,7 +13,6 @@ const COLORS = 8;
 const APART = 6;
 const SPREAD = 24;
 const NEAR = 24;
-const HEIGHT = 280;
 /** Steps of an axis of whole numbers. */
 const WHOLE = [0, 1, 2, 3, 4, 5, 6, 7, 8].flatMap((power) => [1, 2, 5].map((step) => step * 10 ** power));
 
@@ -63,10 +63,6 @@ export function Plot({ series, x, y }: Props) {
       <p class="told">{told || (marks.length === 0 ? "No number yet." : " ")}</p>
     </figure>
   );
-}
-
-function title({ symbol, unit }: Quantity): string {
-  return unit === "" ? symbol : `${symbol} [${unit}]`;
 }
 
 function Legend({ series }: { series: Series[] }) {
@@ -123,18 +119,12 @@ function drawn(series: Series[], x: Quantity, y: Quantity): Drawn[] {
 
 /** Draws into `place`; gives what takes it away again. */
 function draw(place: HTMLDivElement, marks: Drawn[], x: Quantity, tell: (text: string) => void): () => void {
-  const ink = (name: string) => getComputedStyle(place).getPropertyValue(name).trim();
+  const ink = (name: string) => inkOf(place, name);
   const xs = marks.map((mark) => mark.x);
   const logarithmic = isLogarithmic(xs);
   const xRange = rangeOf(xs, logarithmic);
   const yRange = rangeOf([0, ...marks.flatMap((mark) => [mark.y - mark.sem, mark.y + mark.sem])], false);
-  const axis = {
-    stroke: ink("--quiet"),
-    font: "12px system-ui, sans-serif",
-    grid: { stroke: ink("--line"), width: 1 },
-    ticks: { stroke: ink("--line"), width: 1 },
-    values: (_: uPlot, splits: (number | null)[]) => splits.map((value) => (value === null ? "" : number(value, 4))),
-  };
+  const axis = axisLook(place);
   const plot = new uPlot(
     {
       width: place.clientWidth,
@@ -206,17 +196,4 @@ function nearest(plot: uPlot, marks: Drawn[], x: number, y: number): Drawn | und
     Math.hypot(plot.valToPos(mark.x, "x") + mark.shift - x, plot.valToPos(mark.y, "y") - y);
   const [best] = [...marks].sort((a, b) => distance(a) - distance(b));
   return best && distance(best) <= NEAR ? best : undefined;
-}
-
-/** Whether the reader wants a dark page; a canvas must be drawn again when that changes. */
-function useDark(): boolean {
-  const query = "(prefers-color-scheme: dark)";
-  const [dark, setDark] = useState(() => matchMedia(query).matches);
-  useEffect(() => {
-    const media = matchMedia(query);
-    const change = () => setDark(media.matches);
-    media.addEventListener("change", change);
-    return () => media.removeEventListener("change", change);
-  }, []);
-  return dark;
 }

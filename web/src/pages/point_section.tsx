@@ -14,7 +14,10 @@ import { Await } from "./states";
 const SHOWN = 50;
 const STATES = ["done", "failed", "poisoned", "leased", "ready", "blocked", "cancelled"];
 /** Results that stand in the table unless all are asked for. */
-const USUAL = ["encode_correlation", "hold_kinetic_energy", "largest_overlap", "volume_fraction", "coordination_number"];
+const USUAL = [
+  "encode_correlation", "hold_kinetic_energy", "beam_stiffness", "ultimate_strength", "yield_strain",
+  "largest_overlap", "volume_fraction", "coordination_number",
+];
 const NUMBER = { name: "point", symbol: "point", unit: "", sentence: "Its number, from 0, in the order of the spec.", scale: 1 };
 const STATE = { ...NUMBER, name: "state", symbol: "state", sentence: "Where its job stands." };
 
@@ -92,7 +95,7 @@ function Table({ sweep, model, page, from }: { sweep: Sweep; model: Model | unde
           </thead>
           <tbody>
             {page.items.map((row) => (
-              <Row key={row.point} row={row} axes={sweep.axes} results={results} />
+              <Row key={row.point} row={row} axes={sweep.axes} results={results} curve={sweep.model === "beam"} />
             ))}
           </tbody>
         </table>
@@ -106,23 +109,29 @@ function Table({ sweep, model, page, from }: { sweep: Sweep; model: Model | unde
   );
 }
 
-function Row({ row, axes, results }: { row: PointRow; axes: string[]; results: Quantity[] }) {
+function Row({ row, axes, results, curve }: { row: PointRow; axes: string[]; results: Quantity[]; curve: boolean }) {
   return (
     <tr data-point={row.point}>
-      <td class="number">{row.point}</td>
+      <td class="number">
+        {curve ? <a href={withView({ curve: String(row.point) })} title="Its curve">{row.point}</a> : row.point}
+      </td>
       <td><State state={row.state} /></td>
       {axes.map((name) => (
         <td key={name} class="number">{parameter(row.parameters[name])}</td>
       ))}
-      {row.state === "done" && results.map(({ name, scale }) => <Cell key={name} value={row.results[name]} scale={scale} />)}
+      {row.state === "done" && results.map(({ name, scale }) => <Cell key={name} value={row.results[name]} scale={scale} why={row.results[`${name}_reason`]} />)}
       <td class="remark" colSpan={row.state === "done" ? 1 : results.length + 1}>{remark(row)}</td>
     </tr>
   );
 }
 
-function Cell({ value, scale }: { value: PointRow["results"][string] | undefined; scale: number }) {
+type Scalar = PointRow["results"][string] | undefined;
+
+function Cell({ value, scale, why }: { value: Scalar; scale: number; why: Scalar }) {
   if (typeof value === "string") return <td>{value}</td>;
-  if (typeof value !== "number") return <td class="number quiet">–</td>;
+  if (typeof value !== "number") {
+    return typeof why === "string" ? <td class="quiet">{why.replaceAll("_", " ")}</td> : <td class="number quiet">–</td>;
+  }
   return <td class="number" title={String(value)}>{number(value * scale, 4)}</td>;
 }
 

@@ -47,6 +47,7 @@ function Table({ rows, model }: { rows: SetRow[]; model: Model | undefined }) {
   // An error stands beside its number.
   const means = names.filter((name) => !name.endsWith("_sem") && !name.endsWith("_error"));
   const fits = rows.some((row) => row.shape);
+  const told = fits || rows.some((row) => row.processing);
   const results = inOrder(model, means).map((name) => resultQuantity(model, name));
   return (
     <div class="scroller" tabIndex={0} role="region" aria-labelledby="sets">
@@ -56,7 +57,7 @@ function Table({ rows, model }: { rows: SetRow[]; model: Model | undefined }) {
             {parameters.map((name) => (
               <Heading key={name} quantity={parameterQuantity(model, name)} />
             ))}
-            <th scope="col">{fits ? "Shape" : "Processing"}</th>
+            {told && <th scope="col">{fits ? "Shape" : "Processing"}</th>}
             {results.map((quantity) => (
               <Heading key={quantity.name} quantity={quantity} />
             ))}
@@ -70,7 +71,7 @@ function Table({ rows, model }: { rows: SetRow[]; model: Model | undefined }) {
               {parameters.map((name) => (
                 <td key={name} class="number">{parameter(row.parameters[name])}</td>
               ))}
-              <td>{row.processing ?? row.shape}</td>
+              {told && <td>{row.processing ?? row.shape}</td>}
               {results.map((quantity) => (
                 <Cell key={quantity.name} row={row} quantity={quantity} />
               ))}

@@ -5,6 +5,8 @@ import { listSets, type Model, readModel, readSweep, type Sweep } from "../api/c
 import { useLoaded } from "../api/load";
 import { count, duration, rate } from "../format";
 import { fixedParameters } from "../quantity";
+import { BeamSection } from "./beam_section";
+import { CurveSection } from "./curve_section";
 import { Failures } from "./failures";
 import { type Live, useLive } from "./live";
 import { PlotSection } from "./plot_section";
@@ -35,6 +37,12 @@ function Known({ sweep, live }: { sweep: Sweep; live: Live }) {
     <>
       <Summary sweep={sweep} live={live} />
       {sweep.points.failed > 0 && <Failures sweep={sweep} model={model} version={live.version} />}
+      {sweep.model === "beam" && (
+        <>
+          <BeamSection sweep={sweep} model={model} version={live.version} />
+          <CurveSection sweep={sweep} model={model} version={live.version} />
+        </>
+      )}
       <Results sweep={sweep} model={model} version={live.version} />
       <PointSection sweep={sweep} model={model} version={live.version} />
     </>
@@ -85,7 +93,9 @@ function Results({ sweep, model, version }: { sweep: Sweep; model: Model | undef
           <p class="notice">This sweep reduces nothing: its results are its points.</p>
         ) : (
           <>
-            <PlotSection sets={page.items} model={model} fixed={fixedParameters(model, sweep)} />
+            {sweep.model === "memory" && (
+              <PlotSection sets={page.items} model={model} fixed={fixedParameters(model, sweep)} />
+            )}
             <SetSection sets={page} model={model} />
           </>
         )

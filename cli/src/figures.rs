@@ -1,0 +1,255 @@
+//! `granary figures`: the figures and tables of the beam paper, computed here.
+
+mod catalog;
+mod data;
+mod drawing;
+mod svg;
+mod tables;
+
+mod beams;
+mod curves;
+mod inside;
+
+use std::path::{Path, PathBuf};
+
+use anyhow::Context;
+use granary_api::id::SweepId;
+use granary_api::sweep::Sweep;
+use granary_core::model::Model;
+use granary_server::Config;
+
+use catalog::{ALL, Figure, Shown};
+use data::Data;
+use drawing::Drawing;
+
+use crate::api_client::{ApiClient, ServerArgs};
+use crate::failure::Done;
+use crate::progress::duration;
+use crate::service::Service;
+use crate::spec_file::SpecFile;
+use crate::table::Table;
+use crate::{log, output, run};
+
+/// List the figures of the beam paper, print the sweep of one, or compute and draw it.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Args {
+    /// Which one; all are listed without.
+    name: Option<String>,
+    /// Print its spec instead, ready to be submitted.
+    #[arg(long, requires = "name")]
+    spec: bool,
+    /// Size of the beam and speed of the rods.
+    #[arg(long, default_value = "draft", value_parser = preset_names())]
+    preset: String,
+    /// Packings of each combination.
+    #[arg(long, default_value_t = 1, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1000))]
+    packings: u64,
+    /// Where pictures and numbers are written.
+    #[arg(long, default_value = "figures", value_name = "DIR")]
+    out: PathBuf,
+    /// Draw what a server has of it; without, it is computed here.
+    #[arg(long, value_name = "URL")]
+    server: Option<String>,
+    /// File that holds the bearer token; not needed on loopback.
+    #[arg(long, env = "GRANARY_TOKEN_FILE", value_name = "FILE")]
+    token_file: Option<PathBuf>,
+    /// Draw this sweep instead, a variation of one's own.
+    #[arg(long, value_name = "ID", requires = "name", conflicts_with = "spec")]
+    sweep: Option<SweepId>,
+    /// Draw what is there, and compute nothing.
+    #[arg(long)]
+    as_is: bool,
+    /// Engine threads; all cores by default.
+    #[arg(long, env = "GRANARY_THREADS", value_name = "N")]
+    threads: Option<usize>,
+    /// Directory of the database and the artifacts.
+    #[arg(
+        long,
+        env = "GRANARY_DATA",
+        default_value = ".granary",
+        value_name = "DIR"
+    )]
+    data: PathBuf,
+}
+
+fn preset_names() -> Vec<&'static str> {
+    Model::Beam
+        .presets()
+        .iter()
+        .map(|preset| preset.name)
+        .collect()
+}
+
+/// Lists, prints or draws.
+pub(crate) async fn run(args: Args) -> anyhow::Result<Done> {
+    let Some(name) = &args.name else {
+        return list(&args).await;
+    };
+    let names = || ALL.iter().map(|figure| figure.name).collect::<Vec<_>>();
+    let figure = Figure::named(name)
+        .with_context(|| format!("`{name}` is not one of {}", names().join(", ")))?;
+    if args.spec {
+        output::bytes(figure.spec(&args.preset, args.packings).as_bytes())?;
+        return Ok(Done::Complete);
+    }
+    if let Shown::NotYet(lack) = figure.shown {
+        anyhow::bail!(
+            "{name} is not drawn yet: {lack}\n  its sweep: granary figures {name} --spec"
+        );
+    }
+    draw(&args, figure).await
+}
+
+/// The spec of a figure, as the command was told.
+fn spec_of(args: &Args, figure: &Figure) -> anyhow::Result<SpecFile> {
+    let text = figure.spec(&args.preset, args.packings);
+    Ok(SpecFile::parse(figure.name.to_owned(), &text, false)?)
+}
+
+async fn list(args: &Args) -> anyhow::Result<Done> {
+    log::to_stderr(tracing::Level::WARN);
+    // Estimates come from the planner; nothing is queued, so a store that nobody keeps will do.
+    let place = tempfile::tempdir()?;
+    let mut service = Service::open(Config::new(place.path()), "granary figures").await?;
+    let client = service.client().await?;
+    let mut table = Table::new(["figure", "points", "one core", "drawn", "what it shows"]);
+    for figure in ALL {
+        let planned = client.submit(&spec_of(args, figure)?, true).await?;
+        table.push(vec![
+            figure.name.to_owned(),
+            planned.points.to_string(),
+            format!("~ {}", duration(planned.predicted.core_seconds)),
+            match figure.shown {
+                Shown::Picture(_) => "SVG, CSV",
+                Shown::Table => "CSV",
+                Shown::NotYet(_) => "not yet",
+            }
+            .to_owned(),
+            figure.shows.to_owned(),
+        ]);
+    }
+    service.stop().await?;
+    output::bytes(table.render().as_bytes())?;
+    let (preset, packings) = (&args.preset, args.packings);
+    let packings = match packings {
+        1 => "one packing".to_owned(),
+        more => format!("{more} packings"),
+    };
+    output::line(&format!(
+        "preset {preset}, {packings}; what figures have in common is computed once"
+    ))?;
+    Ok(Done::Complete)
+}
+
+async fn draw(args: &Args, figure: &Figure) -> anyhow::Result<Done> {
+    let spec = spec_of(args, figure)?;
+    if let Some(server) = &args.server {
+        let server = ServerArgs {
+            server: server.clone(),
+            token_file: args.token_file.clone(),
+        };
+        let client = server.client()?;
+        let sweep = known(&client, args, &spec).await?;
+        return write(&client, sweep, figure, &args.out).await;
+    }
+    log::to_stderr(tracing::Level::WARN);
+    let mut service = Service::open(Config::new(&args.data), "granary figures").await?;
+    let done = draw_here(&mut service, args, figure, &spec).await;
+    let stopped = service.stop().await;
+    let done = done?;
+    stopped?;
+    Ok(done)
+}
+
+async fn draw_here(
+    service: &mut Service,
+    args: &Args,
+    figure: &Figure,
+    spec: &SpecFile,
+) -> anyhow::Result<Done> {
+    let client = service.client().await?;
+    if args.as_is || args.sweep.is_some() {
+        let sweep = known(&client, args, spec).await?;
+        return write(&client, sweep, figure, &args.out).await;
+    }
+    match run::compute(service, &client, spec, args.threads).await? {
+        None => Ok(Done::Interrupted),
+        Some(finished) => write(&client, finished.sweep, figure, &args.out).await,
+    }
+}
+
+/// The sweep that was named, or the one of this spec if it was ever submitted.
+async fn known(client: &ApiClient, args: &Args, spec: &SpecFile) -> anyhow::Result<SweepId> {
+    if let Some(sweep) = args.sweep {
+        return Ok(sweep);
+    }
+    let found = client.submit(spec, true).await?.sweep;
+    found.with_context(|| {
+        let (name, preset, packings) = (&spec.name, &args.preset, args.packings);
+        let spec = format!("granary figures {name} --preset {preset} --packings {packings} --spec");
+        match &args.server {
+            Some(server) => format!(
+                "the server has no such sweep\n  submit it: {spec} | granary submit - --server {server}"
+            ),
+            None => "nothing of it is here; without --as-is it is computed".to_owned(),
+        }
+    })
+}
+
+/// Writes what there is of a figure; some of it may be missing.
+async fn write(
+    client: &ApiClient,
+    sweep: SweepId,
+    figure: &Figure,
+    out: &Path,
+) -> anyhow::Result<Done> {
+    let sweep: Sweep = client.sweep(sweep).await?;
+    let data = Data::read(client, sweep.sweep, figure).await?;
+    let files = match figure.shown {
+        Shown::Picture(draw) => pictures(figure, &draw(&data), &sweep.preset),
+        Shown::Table => {
+            output::bytes(tables::fits(&data).render().as_bytes())?;
+            vec![(format!("{}.csv", figure.name), tables::fits_csv(&data))]
+        }
+        Shown::NotYet(_) => vec![],
+    };
+    std::fs::create_dir_all(out)
+        .with_context(|| format!("cannot make the directory {}", out.display()))?;
+    for (name, text) in files {
+        let path = out.join(name);
+        std::fs::write(&path, text).with_context(|| format!("cannot write {}", path.display()))?;
+        output::line(&path.display().to_string())?;
+    }
+    let points = sweep.points;
+    if points.done == points.total {
+        return Ok(Done::Complete);
+    }
+    eprintln!(
+        "of {} points {} are done and {} have failed: what is missing is not drawn",
+        points.total, points.done, points.failed
+    );
+    Ok(Done::Incomplete)
+}
+
+/// The picture, and a file of numbers for each panel that has any.
+fn pictures(figure: &Figure, drawing: &Drawing, preset: &str) -> Vec<(String, String)> {
+    let title = format!("{}: {}; preset {preset}", figure.name, figure.shows);
+    let mut files = vec![(
+        format!("{}.svg", figure.name),
+        svg::picture(drawing, &title),
+    )];
+    for (k, panel) in drawing.panels.iter().enumerate() {
+        if panel.is_empty() {
+            eprintln!("panel {} has no number yet", k + 1);
+            continue;
+        }
+        for (what, text) in panel.csv() {
+            let letter = char::from(b'a' + k as u8);
+            files.push((format!("{}-{letter}{what}.csv", figure.name), text));
+        }
+    }
+    files
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,300 @@
+use std::collections::BTreeMap;
+
+use granary_api::table::{PointRow, SetRow};
+use granary_server::sweep::{Limits, Plan};
+use serde_json::{Value, json};
+
+use super::data::{History, Structure};
+use super::drawing::{Panel, Style};
+use super::*;
+
+fn plan(figure: &Figure, preset: &str, packings: u64) -> Plan {
+    let text = figure.spec(preset, packings);
+    let spec = SpecFile::parse(figure.name.to_owned(), &text, false).expect("TOML");
+    let plan = Plan::read(&spec.value, Limits::default());
+    plan.unwrap_or_else(|mistakes| panic!("{}: {mistakes:?}", figure.name))
+}
+
+#[test]
+fn spec_of_every_figure_is_valid_in_every_preset() {
+    for figure in ALL {
+        for preset in preset_names() {
+            assert_eq!(plan(figure, preset, 1).preset, preset, "{}", figure.name);
+        }
+    }
+}
+
+#[test]
+fn packings_multiply_the_points_of_every_figure() {
+    for figure in ALL {
+        let [one, three] = [1, 3].map(|packings| plan(figure, "draft", packings).points);
+        assert_eq!(three, 3 * one, "{}", figure.name);
+    }
+}
+
+#[test]
+fn figures_are_those_of_the_paper() {
+    let names: Vec<&str> = ALL.iter().map(|figure| figure.name).collect();
+    let numbers = (3..=16).map(|n| format!("fig{n}"));
+    let expected: Vec<String> = numbers.chain(["table1".to_owned()]).collect();
+    assert_eq!(names, expected);
+    assert_eq!(
+        plan(Figure::named("fig8").expect("one"), "draft", 1).points,
+        44
+    );
+}
+
+fn point(number: u64, parameters: &Value, results: &Value) -> PointRow {
+    let job = format!("b3:{}", "0".repeat(64));
+    let row = json!({"point": number, "state": "done", "parameters": parameters, "results": results,
+        "warnings": [], "job": job, "result_hash": null});
+    serde_json::from_value(row).expect("a point")
+}
+
+fn drawn(name: &str, data: &Data) -> Drawing {
+    match Figure::named(name).expect("a figure").shown {
+        Shown::Picture(draw) => draw(data),
+        _ => panic!("{name} is no picture"),
+    }
+}
+
+fn chart(drawing: &Drawing, panel: usize) -> &drawing::Chart {
+    match &drawing.panels[panel] {
+        Panel::Chart(chart) => chart,
+        Panel::Heatmap(_) => panic!("a map"),
+    }
+}
+
+/// Two packings at two frictions, of two moduli; one has no strength.
+fn beams(protocol: &str) -> Data {
+    let mut points = vec![];
+    for modulus in [5e6, 100e6] {
+        for friction in [0.3, 1.2] {
+            for seed in [1, 2] {
+                let parameters = json!({"protocol": protocol, "youngs_modulus": modulus,
+                    "friction_coefficient": friction, "packing_seed": seed});
+                let strength = 1e-3 * modulus * friction + f64::from(seed) * 1e3;
+                let mut results =
+                    json!({"beam_stiffness": modulus / 20.0, "ultimate_strength": strength});
+                if modulus < 1e7 && friction > 1.0 {
+                    results["ultimate_strength"] = Value::Null;
+                    results["ultimate_strength_reason"] = json!("not_prominent");
+                }
+                points.push(point(points.len() as u64, &parameters, &results));
+            }
+        }
+    }
+    Data {
+        points,
+        ..Data::default()
+    }
+}
+
+#[test]
+fn map_averages_packings_in_the_units_of_the_paper_and_gives_reasons() {
+    let drawing = drawn("fig6", &beams("A"));
+    let Panel::Heatmap(map) = &drawing.panels[1] else {
+        panic!("no map");
+    };
+    assert_eq!(
+        (&map.across, &map.upward),
+        (&vec![0.3, 1.2], &vec![5.0, 100.0])
+    );
+    let tile = &map.tiles[1][0];
+    assert!((tile.value.expect("a mean") - 31.5).abs() < 1e-9);
+    assert!((tile.error.expect("two packings") - 0.5).abs() < 1e-9);
+    let csv = drawing.panels[1].csv();
+    let lines: Vec<&str> = csv[0].1.lines().collect();
+    assert_eq!(
+        lines[0],
+        "friction_coefficient,youngs_modulus_mpa,ultimate_strength_kpa,sem,n,of,reason"
+    );
+    assert_eq!(lines[2], "1.2,5,,,0,2,not prominent");
+}
+
+#[test]
+fn strengths_stand_beside_both_fits() {
+    let mut data = beams("B");
+    data.sets = vec![fit(100e6, "B")];
+    let drawing = drawn("fig8", &data);
+    let strength = chart(&drawing, 1);
+    let of = |style: Style| {
+        let mut all = strength
+            .curves
+            .iter()
+            .filter(move |curve| curve.style == style && !curve.dots.is_empty());
+        all.next_back().expect("a curve")
+    };
+    assert_eq!(of(Style::Open).label, "100 MPa, B");
+    // (30 − 120) exp(−3·1.2) + 120 of ours, and Table I's row of both at the end of the axis.
+    let last = |style: Style| of(style).dots.last().expect("dots").y;
+    assert!((last(Style::Dashed) - 117.540_865).abs() < 1e-5);
+    assert!((last(Style::Dotted) - 116.670_006).abs() < 1e-4);
+}
+
+fn fit(modulus: f64, protocol: &str) -> SetRow {
+    let row = json!({"set": 0, "reduce": "ultimate_strength_fit", "shape": "exponential",
+        "parameters": {"youngs_modulus": modulus, "protocol": protocol},
+        "results": {"strength_zero_friction": 30e3, "strength_zero_friction_error": 2e3,
+            "strength_infinite_friction": 120e3, "strength_rate": 3.0},
+        "n": 4, "of": 4, "provisional": false});
+    serde_json::from_value(row).expect("a set")
+}
+
+#[test]
+fn table_has_the_published_parameters_beside_ours() {
+    let data = Data {
+        sets: vec![fit(100e6, "B"), fit(20e6, "A")],
+        ..Data::default()
+    };
+    let text = tables::fits(&data).render();
+    let words = |line: &str| line.split_whitespace().collect::<Vec<_>>().join(" ");
+    let lines: Vec<String> = text.lines().map(words).collect();
+    // What was never published has no number beside it.
+    assert_eq!(lines[1], "20 A 30.00 ± 2.00 120.00 3.00 exponential 4 of 4");
+    assert_eq!(
+        lines[2],
+        "100 B 30.00 ± 2.00 35.65 120.00 119.41 3.00 2.85 exponential 4 of 4"
+    );
+    let csv = tables::fits_csv(&data);
+    assert!(
+        csv.ends_with("100,B,30,2,35.65,120,,119.41,3,,2.85,exponential,4,4\n"),
+        "{csv}"
+    );
+}
+
+#[test]
+fn curve_is_drawn_with_its_stiffness_its_strength_and_a_cycle() {
+    let found =
+        json!({"beam_stiffness": 1e7, "beam_stiffness_intercept": 0.0, "ultimate_strength": 90e3});
+    let history = History {
+        strain: vec![0.0, 0.001, 0.002, 0.05],
+        stress: vec![0.0, 10e3, 20e3, 100e3],
+        ..History::default()
+    };
+    let cyclic = History {
+        rod_travel: vec![0.0, 2.0, 0.5, 1.0, 3.0],
+        strain: vec![0.0, 0.002, 0.0005, 0.001, 0.01],
+        stress: vec![0.0, 20e3, 3e3, 9e3, 60e3],
+        ..History::default()
+    };
+    let data = Data {
+        points: vec![
+            point(0, &json!({"cycles": 0}), &found),
+            point(1, &json!({"cycles": 3}), &found),
+        ],
+        histories: BTreeMap::from([(0, history), (1, cyclic)]),
+        ..Data::default()
+    };
+    let drawing = drawn("fig5", &data);
+    let whole = chart(&drawing, 0);
+    let labels: Vec<&str> = whole
+        .curves
+        .iter()
+        .map(|curve| curve.label.as_str())
+        .collect();
+    assert_eq!(labels, ["bending", "E_b", "Y_b"]);
+    let end = whole.curves[1].dots[1];
+    assert!((end.x - 0.01).abs() < 1e-12 && (end.y - 100.0).abs() < 1e-9);
+    let inset = whole.inset.as_ref().expect("a cycle");
+    // There, back, and again as far as it went before.
+    let strains: Vec<f64> = inset.curves[0].dots.iter().map(|dot| dot.x).collect();
+    assert_eq!(strains, [0.0, 0.002, 0.0005, 0.001]);
+    let files: Vec<&str> = drawing.panels[0]
+        .csv()
+        .iter()
+        .map(|(what, _)| *what)
+        .collect();
+    assert_eq!(files, ["", "-inset"]);
+}
+
+#[test]
+fn forces_are_drawn_over_stress_with_a_line_at_the_strength() {
+    let row = point(
+        0,
+        &json!({"friction_coefficient": 0.3}),
+        &json!({"ultimate_strength": 80e3}),
+    );
+    let history = History {
+        stress: vec![1e3; 20],
+        mean_contact_force: vec![2.0; 20],
+        mean_normal_force: vec![1.9; 20],
+        mean_tangential_force: vec![0.3; 20],
+        coulomb_fraction: (0..20).map(|k| (k >= 10).then_some(0.2)).collect(),
+        ..History::default()
+    };
+    let data = Data {
+        points: vec![row],
+        histories: BTreeMap::from([(0, history)]),
+        ..Data::default()
+    };
+    let drawing = drawn("fig9", &data);
+    assert_eq!(chart(&drawing, 0).curves[0].dots.len(), 2);
+    assert!((chart(&drawing, 2).curves[0].dots[1].y - 0.3).abs() < 1e-9);
+    assert_eq!(chart(&drawing, 3).curves[0].dots.len(), 1);
+    assert!((chart(&drawing, 3).verticals[0].at - 80.0).abs() < 1e-9);
+}
+
+/// A beam of diameter 5 mm with one change at 180 kPa.
+fn inside() -> Structure {
+    serde_json::from_value(json!({
+        "mean_diameter": 0.005, "snapshot_travel": 5e-4,
+        "snapshots": [{"stress": 0.0, "pair_correlation":
+            {"distances": [0.005, 0.010], "paper": {"all": [0.5, 0.3], "bulk": null}, "normalized": []}}],
+        "changes": [{"stress": 180e3, "non_affine": {"all": 5e-5, "bulk": null},
+            "height_profile": [{"height": -0.005, "value": 1.0, "count": 1}, {"height": 0.0, "value": null, "count": 0}],
+            "autocorrelation": {"distances": [0.0, 0.005], "printed": [], "connected": [], "decay_length": null},
+            "displacement": {"low": [0.0, 0.0, 0.0], "spacing": [0.01, 1.0, 0.01], "count": [2, 1, 1],
+                "values": [[1e-6, 0.0, 0.0], null]}}],
+        "by_stress": {"height_profile": [{"from": 175e3, "curves": 1, "mean": [1.1, null]}],
+            "autocorrelation": [{"from": 175e3, "curves": 1, "mean": [0.5, 0.4]}]},
+    }))
+    .expect("a structure")
+}
+
+#[test]
+fn inside_of_a_beam_is_told_in_diameters_and_intervals_of_stress() {
+    let parameters = json!({"friction_coefficient": 0.3, "youngs_modulus": 100e6, "protocol": "A",
+        "confining_pressure": 90e3, "initial_volume_fraction": 0.5});
+    let data = Data {
+        points: vec![point(0, &parameters, &json!({}))],
+        structures: BTreeMap::from([(0, inside())]),
+        ..Data::default()
+    };
+    let dots = |name: &str, panel: usize| {
+        let drawing = drawn(name, &data);
+        let curve = &chart(&drawing, panel).curves[0];
+        let dots = curve.dots.iter().map(|dot| [dot.x, dot.y]);
+        (curve.label.clone(), dots.collect::<Vec<_>>())
+    };
+    assert_eq!(
+        dots("fig4", 0),
+        ("φ_init = 0.5".to_owned(), vec![[1.0, 0.5], [2.0, 0.3]])
+    );
+    assert_eq!(
+        dots("fig12", 0),
+        ("175–200 kPa".to_owned(), vec![[0.0, 1.0], [1.0, 0.8]])
+    );
+    assert_eq!(dots("fig14", 0).1, [[-5.0, 1.1]]);
+    assert_eq!(
+        dots("fig15", 0),
+        ("μ_p = 0.3".to_owned(), vec![[-5.0, 1.1]])
+    );
+    // 100 MPa by protocol A stands in the third row: ⟨D_min⟩ on the left.
+    assert_eq!(dots("fig16", 4).1, [[180.0, 0.01]]);
+    let field = drawn("fig10", &data);
+    assert!(
+        field.panels[0].csv()[0]
+            .1
+            .contains("\n10,0,,,0,0,too few grains\n")
+    );
+}
+
+#[test]
+fn figure_without_data_has_no_numbers_and_says_so() {
+    let drawing = drawn("fig8", &Data::default());
+    assert!(drawing.panels.iter().all(Panel::is_empty));
+    let named = pictures(Figure::named("fig8").expect("one"), &drawing, "draft");
+    assert_eq!(named.len(), 1);
+    assert!(named[0].1.contains("<title>fig8: E_b and Y_b over μ_p"));
+}
