@@ -26,6 +26,8 @@ impl<R: Row> Kernel<R> for Everything<'_, R> {
             a.sqrt(),
             a.max(b),
             a.select(less, b),
+            a.select(a.le(b), c),
+            a.select(a.le(a), c),
             c.keep(both),
             L::constant(0.1),
             if less.any() { a } else { b },
