@@ -196,15 +196,22 @@ impl<R: Row> Grains<R> {
             None => UPRIGHT,
         };
         Pose {
-            position: plain::add(reference.position, self.displacement[i].lane(k)),
+            position: self.place(i, k),
             orientation,
         }
+    }
+
+    /// The center of mass of grain `i` in replica `k`.
+    #[inline(always)]
+    #[must_use]
+    pub fn place(&self, i: usize, k: usize) -> [f64; 3] {
+        plain::add(self.reference[i].position, self.displacement[i].lane(k))
     }
 
     /// The center of sphere `a` of grain `i` in replica `k`.
     #[must_use]
     pub fn center(&self, i: usize, a: usize, k: usize) -> [f64; 3] {
-        let position = plain::add(self.reference[i].position, self.displacement[i].lane(k));
+        let position = self.place(i, k);
         match self.turn.get(i) {
             Some(turn) => plain::add(position, plain::rotate(turn.lane(k), self.arm(i, a))),
             None => position,

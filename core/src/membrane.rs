@@ -256,7 +256,7 @@ impl Membrane {
     pub fn note<W: Lane<Row = F64x8, Scalar = f64>>(&mut self) {
         self.note_vertices();
         let sheet = (self.mesh.triangles(), self.vertices.as_slice());
-        note_faces::<W>(sheet, &mut self.faces, |_, _| ());
+        note_faces::<W>(sheet, &mut self.faces);
     }
 
     /// The vertices as they were last noted.
@@ -284,8 +284,9 @@ impl Membrane {
     /// Adds a `pressure` from outside \[Pa\]; negative if from inside. Takes note of all faces.
     #[inline(always)]
     pub fn add_pressure<W: Lane<Row = F64x8, Scalar = f64>>(&mut self, pressure: f64) {
-        let sheet = (self.mesh.triangles(), self.vertices.as_slice());
-        add_pressure::<W>(sheet, pressure, &mut self.forces, &mut self.faces);
+        let triangles = self.mesh.triangles();
+        note_faces::<W>((triangles, &self.vertices), &mut self.faces);
+        add_pressure((triangles, &self.faces), pressure, &mut self.forces);
     }
 
     /// Adds a drag −α m v \[N\] on every vertex, with α = `rate` \[1/s\].

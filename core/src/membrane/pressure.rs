@@ -5,89 +5,69 @@ use crate::math::{Vec3, plain};
 
 /// A triangle as it is in the running step, in two lines of the cache.
 ///
-/// Its corners and its unit normal, outward; beside each corner the height over the side that is opposite to it.
-/// Without area, it has no normal.
+/// Its corners and its unit normal, outward, a spare number beside each corner and twice the area beside the normal.
+/// Without area, its normal is zero.
 pub type Face = [F64x8; 2];
 
 /// Adds −p A n̂/3 \[N\] of every triangle, in their order, to each of its corners; positive pressure pushes inward.
 ///
 /// On a closed mesh this is −p ∂V/∂x, so the forces sum to zero, and to zero torque, and do the work −p dV.
-#[inline(always)]
-pub fn add_pressure<W: Lane<Row = F64x8, Scalar = f64>>(
-    sheet: (&[[u32; 3]], &[F64x8]),
+pub fn add_pressure(
+    (triangles, faces): (&[[u32; 3]], &[Face]),
     pressure: f64,
     forces: &mut [[f64; 3]],
-    faces: &mut Vec<Face>,
 ) {
-    let sixth = W::constant(-pressure / 6.0);
-    note_faces::<W>(sheet, faces, |area, triangles| {
-        spread(area.scale(sixth), triangles, forces);
-    });
-}
-
-/// Notes the faces of all triangles; tells `with` twice the areas of eight, as vectors, outward.
-#[inline(always)]
-pub(super) fn note_faces<W: Lane<Row = F64x8, Scalar = f64>>(
-    (triangles, vertices): (&[[u32; 3]], &[F64x8]),
-    faces: &mut Vec<Face>,
-    mut with: impl FnMut(Vec3<W>, &[[u32; 3]]),
-) {
-    faces.clear();
-    let (eights, rest) = triangles.as_chunks();
-    for eight in eights {
-        with(faces_of::<W>(eight, vertices, faces), eight);
-    }
-    if let Some(&last) = rest.last() {
-        let mut eight = [last; 8];
-        eight[..rest.len()].copy_from_slice(rest);
-        with(faces_of::<W>(&eight, vertices, faces), rest);
-        faces.truncate(triangles.len());
-    }
-}
-
-/// Adds a share to each corner of each triangle.
-#[inline(always)]
-fn spread<W: Lane<Row = F64x8, Scalar = f64>>(
-    share: Vec3<W>,
-    triangles: &[[u32; 3]],
-    forces: &mut [[f64; 3]],
-) {
-    let mut shares = Vec3::default();
-    share.store(&mut shares);
-    for (e, &corners) in triangles.iter().enumerate() {
-        let share = shares.lane(e);
-        for vertex in corners {
+    let sixth = -pressure / 6.0;
+    for (corners, face) in triangles.iter().zip(faces) {
+        let &[x, y, z, doubled] = face[1].halves()[1];
+        let share = plain::scale([x, y, z], doubled * sixth);
+        for &vertex in corners {
             let force = &mut forces[vertex as usize];
             *force = plain::add(*force, share);
         }
     }
 }
 
-/// Adds the faces of eight triangles; twice their areas as vectors, outward.
+/// Notes the faces of all triangles.
 #[inline(always)]
-fn faces_of<W: Lane<Row = F64x8, Scalar = f64>>(
+pub(super) fn note_faces<W: Lane<Row = F64x8, Scalar = f64>>(
+    (triangles, vertices): (&[[u32; 3]], &[F64x8]),
+    faces: &mut Vec<Face>,
+) {
+    faces.clear();
+    let (eights, rest) = triangles.as_chunks();
+    for eight in eights {
+        note_eight::<W>(eight, vertices, faces);
+    }
+    if let Some(&last) = rest.last() {
+        let mut eight = [last; 8];
+        eight[..rest.len()].copy_from_slice(rest);
+        note_eight::<W>(&eight, vertices, faces);
+        faces.truncate(triangles.len());
+    }
+}
+
+#[inline(always)]
+fn note_eight<W: Lane<Row = F64x8, Scalar = f64>>(
     eight: &[[u32; 3]; 8],
     vertices: &[F64x8],
     faces: &mut Vec<Face>,
-) -> Vec3<W> {
+) {
     let at = |k: usize| Vec3::<W>::gathered(|e| vertices[eight[e][k] as usize].halves()[0]);
     let (a, b, c) = (at(0), at(1), at(2));
     let area = (b - a).cross(c - a);
-    let square = area.dot(area);
-    let doubled = square.sqrt();
-    let outward = area.scale(W::constant(1.0) / doubled);
-    let over = |side: Vec3<W>| (square / side.dot(side)).sqrt();
-    let (over_a, over_b, over_c) = (over(c - b), over(a - c), over(b - a));
-    let first = W::transposed([a.x, a.y, a.z, over_a, b.x, b.y, b.z, over_b]);
-    let Vec3 { x, y, z } = outward;
-    let second = W::transposed([c.x, c.y, c.z, over_c, x, y, z, W::constant(0.0)]);
+    let doubled = area.dot(area).sqrt();
+    let zero = W::constant(0.0);
+    let inverse = (W::constant(1.0) / doubled).keep(zero.lt(doubled));
+    let Vec3 { x, y, z } = area.scale(inverse);
+    let first = W::transposed([a.x, a.y, a.z, zero, b.x, b.y, b.z, zero]);
+    let second = W::transposed([c.x, c.y, c.z, zero, x, y, z, doubled]);
     for e in 0..W::K {
         let mut face = Face::default();
         first[e].store(&mut face[0]);
         second[e].store(&mut face[1]);
         faces.push(face);
     }
-    area
 }
 
 #[cfg(test)]
@@ -114,8 +94,9 @@ mod tests {
         let mut forces = vec![[0.0; 3]; mesh.positions().len()];
         let still = |&place: &[f64; 3]| record(place, [0.0; 3]);
         let vertices: Vec<F64x8> = mesh.positions().iter().map(still).collect();
-        let sheet = (mesh.triangles(), vertices.as_slice());
-        add_pressure::<F64x8>(sheet, PRESSURE, &mut forces, &mut vec![]);
+        let mut faces = vec![];
+        note_faces::<F64x8>((mesh.triangles(), &vertices), &mut faces);
+        add_pressure((mesh.triangles(), &faces), PRESSURE, &mut forces);
         forces
     }
 

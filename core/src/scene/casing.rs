@@ -188,15 +188,12 @@ impl Casing {
         };
         reach::find::<W>(sheet, self.near.pairs(), &mut self.reaches);
         self.finder.clear();
-        let mut held = self.held.as_slice();
         for reaches in self.reaches.chunk_by(|a, b| a.pair[0] == b.pair[0]) {
             let grain = reaches[0].pair[0];
-            let of_grain = held_of(&mut held, grain);
-            let touched = |t: u32| of_grain.iter().any(|h| mesh.are_neighbors(h.triangle, t));
             let ball = Ball {
                 grain,
                 radius: self.balls[grain as usize][3],
-                touched: &touched,
+                held: &self.held,
             };
             self.finder.add(mesh, sheet, &ball, reaches);
         }

@@ -278,6 +278,9 @@ fn push_of_walls<P: Physics>(
     loads: &mut [F64x8],
 ) {
     walls.force = [[0.0; MAX_LANES]; WALLS];
+    if contacts.wall_candidates.is_empty() {
+        return;
+    }
     for (i, sum) in loads.iter_mut().enumerate() {
         let candidates = contacts.wall_starts[i] as usize..contacts.wall_starts[i + 1] as usize;
         if candidates.is_empty() {

@@ -49,7 +49,7 @@ pub(super) fn find<W: Lane<Row = F64x8, Scalar = f64>>(
     found: &mut Vec<Reach>,
 ) {
     found.clear();
-    let zero = W::constant(0.0);
+    let (zero, one) = (W::constant(0.0), W::constant(1.0));
     for eight in pairs.chunks(W::K) {
         let feet = sheet.feet::<W>(eight);
         let near = feet.square.lt(feet.radius * feet.radius).bits();
@@ -59,17 +59,17 @@ pub(super) fn find<W: Lane<Row = F64x8, Scalar = f64>>(
         // Codes of faces are zero.
         let on_face = feet.foot.part.le(zero);
         let distance = feet.square.sqrt();
-        let inverse = W::constant(1.0) / distance;
+        let inverse = one / distance;
         let inward = feet.outward.scale(W::constant(-1.0));
         let normal = inward.select(on_face, feet.from.scale(inverse));
         let depth = feet.height.select(on_face, distance);
         let [u, v, w] = feet.foot.weights;
         let numbers = W::transposed([u, v, w, feet.foot.part, normal.x, normal.y, normal.z, depth]);
-        let [over_a, over_b, over_c] = feet.over_sides;
-        let from_side = -(-(u * over_a)).max(-(v * over_b)).max(-(w * over_c));
         let overlap = feet.radius - depth;
-        let share = -(-(from_side / (feet.radius * overlap).sqrt())).max(-W::constant(1.0));
-        let weight = overlap / depth * share.max(zero).select(on_face, W::constant(1.0));
+        let from_side = feet.square_from_side(feet.radius * overlap);
+        let inside = from_side.lt(one);
+        let share = from_side.select(inside, one).sqrt().select(on_face, one);
+        let weight = overlap * inverse * share;
         let (mut heights, mut weights) = (F64x8::default(), F64x8::default());
         feet.height.store(&mut heights);
         weight.store(&mut weights);

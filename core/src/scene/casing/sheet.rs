@@ -20,10 +20,11 @@ pub(super) struct Sheet<'a> {
 }
 
 /// Takes note of where all grains are.
+#[inline(always)]
 pub(super) fn note<R: Row>(grains: &Grains<R>, balls: &mut Vec<Ball>) {
     balls.clear();
     balls.extend((0..grains.len()).map(|i| {
-        let [x, y, z] = grains.pose(i, 0).position;
+        let [x, y, z] = grains.place(i, 0);
         [x, y, z, grains.radius(i)]
     }));
 }
@@ -44,9 +45,10 @@ impl Sheet<'_> {
         };
         let [x, y, z, radius] = W::gather(|e| &self.balls[pairs[e.min(last)][0] as usize]);
         let quarter = |half: usize| W::gather(|e| part(e, half));
-        let [a, b, c, outward] = [quarter(0), quarter(1), quarter(2), quarter(3)];
         let vector = |[x, y, z, _]: [W; 4]| Vec3 { x, y, z };
-        let corners = [vector(a), vector(b), vector(c)];
+        let corners = [vector(quarter(0)), vector(quarter(1)), vector(quarter(2))];
+        let [n_x, n_y, n_z, doubled_area] = quarter(3);
+        let outward = vector([n_x, n_y, n_z, doubled_area]);
         let center = Vec3 { x, y, z };
         let foot = foot(center, corners);
         let from = center - foot.on(corners);
@@ -55,9 +57,10 @@ impl Sheet<'_> {
             square: from.dot(from),
             foot,
             from,
-            height: (corners[0] - center).dot(vector(outward)),
-            outward: vector(outward),
-            over_sides: [a[3], b[3], c[3]],
+            height: (corners[0] - center).dot(outward),
+            corners,
+            outward,
+            doubled_area,
         }
     }
 }
@@ -75,6 +78,27 @@ pub(super) struct Feet<L> {
     pub(super) height: L,
     /// The triangle's normal.
     pub(super) outward: Vec3<L>,
-    /// Of each corner, its height over the opposite side.
-    pub(super) over_sides: [L; 3],
+    /// Of the triangle.
+    pub(super) doubled_area: L,
+    pub(super) corners: [Vec3<L>; 3],
+}
+
+impl<L: Lane> Feet<L> {
+    /// The square of how far the foot is from the nearest side of its triangle, in units of `length_square`.
+    ///
+    /// A corner with barycentric coordinate u is 2A/ℓ high over its side of length ℓ, and the foot u 2A/ℓ.
+    #[inline(always)]
+    pub(super) fn square_from_side(&self, length_square: L) -> L {
+        let [a, b, c] = self.corners;
+        let [u, v, w] = self.foot.weights;
+        let square = |side: Vec3<L>| side.dot(side);
+        let (over_a, over_b, over_c) = (square(c - b), square(a - c), square(b - a));
+        let of = |weight: L, others: L| weight * weight * others;
+        // One division for all three: each is (u 2A)² times the squares of both other sides.
+        let least = -(-of(u, over_b * over_c))
+            .max(-of(v, over_c * over_a))
+            .max(-of(w, over_a * over_b));
+        let doubled = self.doubled_area * self.doubled_area;
+        least * doubled / (over_a * over_b * over_c * length_square)
+    }
 }

@@ -70,10 +70,19 @@ fn find_after(mesh: &Mesh, center: [f64; 3], radius: f64, touched: bool) -> Find
     let all: Vec<[u32; 2]> = (0..mesh.triangles().len() as u32).map(|t| [0, t]).collect();
     let (mut reaches, mut finder) = (vec![], Finder::default());
     reach::find::<F64x8>(sheet, &all, &mut reaches);
+    let before = |triangle| Held {
+        grain: 0,
+        triangle,
+        spring: [0.0; 3],
+        normal_force: 0.0,
+        tangential_force: 0.0,
+        overlap: 0.0,
+    };
+    let held: Vec<Held> = (0..mesh.triangles().len() as u32).map(before).collect();
     let ball = Ball {
         grain: 0,
         radius,
-        touched: &|_| touched,
+        held: if touched { &held } else { &[] },
     };
     finder.add(mesh, sheet, &ball, &reaches);
     finder

@@ -9,6 +9,7 @@
 //!    a fold of the sheet beyond a neighboring grain shows its outside too, and so does one next to the grain, whose other
 //!    side shows its inside.
 
+use super::Held;
 use super::foot::Part;
 use super::reach::Reach;
 use super::sheet::Sheet;
@@ -18,15 +19,10 @@ use crate::membrane::Mesh;
 /// cos 30°.
 const ALIKE: f64 = 0.866_025_403_784_438_6;
 
-/// Marks of places, before they have groups.
-const KEPT: usize = 0;
-const DROPPED: usize = 1;
-
 /// A place where the grain at hand reaches the membrane, before places are merged.
 #[derive(Clone, Copy, Debug)]
 struct Place {
     triangle: u32,
-    part: Part,
     /// The edge or the vertex that it is on; none of a face.
     on: Option<Meeting>,
     weights: [f64; 3],
@@ -64,11 +60,23 @@ pub(super) struct Touch {
 }
 
 /// A grain, and where it touched in the last step.
+#[derive(Clone, Copy)]
 pub(super) struct Ball<'a> {
     pub(super) grain: u32,
     pub(super) radius: f64,
+    /// All contacts of the last step, by grains.
+    pub(super) held: &'a [Held],
+}
+
+impl Ball<'_> {
     /// Whether a triangle is, or is next to, one of its contacts in the last step.
-    pub(super) touched: &'a dyn Fn(u32) -> bool,
+    fn touched(&self, mesh: &Mesh, triangle: u32) -> bool {
+        let first = self.held.partition_point(|held| held.grain < self.grain);
+        let mut own = self.held[first..]
+            .iter()
+            .take_while(|held| held.grain == self.grain);
+        own.any(|held| mesh.are_neighbors(held.triangle, triangle))
+    }
 }
 
 /// Finds the contacts of one grain after the other; keeps its memory.
@@ -76,6 +84,8 @@ pub(super) struct Ball<'a> {
 pub(super) struct Finder {
     /// Of the grain at hand.
     places: Vec<Place>,
+    /// What each of its feet is on.
+    meetings: Vec<Option<Meeting>>,
     /// All contacts so far.
     pub(super) touches: Vec<Touch>,
     /// Their shares, one contact's after the other's; a contact's sum to one.
@@ -98,17 +108,46 @@ impl Finder {
         ball: &Ball<'_>,
         reaches: &[Reach],
     ) {
-        match reaches {
-            [only] if only.height > 0.0 && only.part() == Part::Face => {
-                self.add_face(mesh, ball, only);
-            }
-            _ => self.add_all(mesh, sheet, ball, reaches),
+        // Where the grain is inside of all planes, it is inside of the sheet.
+        if reaches.iter().all(|reach| reach.height > 0.0) {
+            self.add_inside(mesh, ball, reaches);
+        } else {
+            self.add_sided(mesh, sheet, ball, reaches);
         }
     }
 
-    /// Adds a contact with one face.
+    /// Adds the contacts of a grain whose center is inside of all planes.
     #[inline(always)]
-    fn add_face(&mut self, mesh: &Mesh, ball: &Ball<'_>, reach: &Reach) {
+    fn add_inside(&mut self, mesh: &Mesh, ball: &Ball<'_>, reaches: &[Reach]) {
+        self.meetings.clear();
+        let meeting = |reach: &Reach| Meeting::of(mesh, reach.pair[1], reach.part());
+        self.meetings.extend(reaches.iter().map(meeting));
+        let minimal = |k: &usize| is_minimum(mesh, &self.meetings, *k);
+        let mut minima = (0..reaches.len()).filter(minimal);
+        match (minima.next(), minima.next()) {
+            (Some(only), None) => self.add_one(mesh, ball, &reaches[only]),
+            (None, _) => {
+                let depth = |k: &usize| reaches[*k].depth();
+                let deeper = |a, b| if depth(&b) < depth(&a) { b } else { a };
+                // If rounding leaves no minimum, the deepest stays.
+                if let Some(deepest) = (0..reaches.len()).reduce(deeper) {
+                    self.add_one(mesh, ball, &reaches[deepest]);
+                }
+            }
+            (Some(first), Some(second)) => {
+                self.places.clear();
+                let all = [first, second].into_iter().chain(minima);
+                self.places
+                    .extend(all.map(|k| place(ball, &reaches[k], self.meetings[k])));
+                self.group(mesh);
+                self.merge(mesh, ball);
+            }
+        }
+    }
+
+    /// Adds a contact at one place, inside of the sheet.
+    #[inline(always)]
+    fn add_one(&mut self, mesh: &Mesh, ball: &Ball<'_>, reach: &Reach) {
         let triangle = reach.pair[1];
         self.share(mesh, triangle, reach.weights(), 1.0);
         self.touches.push(Touch {
@@ -131,28 +170,19 @@ impl Finder {
         }));
     }
 
-    fn add_all(&mut self, mesh: &Mesh, sheet: Sheet<'_>, ball: &Ball<'_>, reaches: &[Reach]) {
+    /// Adds the contacts of a grain whose center is outside of some plane.
+    fn add_sided(&mut self, mesh: &Mesh, sheet: Sheet<'_>, ball: &Ball<'_>, reaches: &[Reach]) {
         self.places.clear();
-        // Where the grain is inside of all planes, it is inside of the sheet.
-        let inside = reaches.iter().all(|reach| reach.height > 0.0);
-        for reach in reaches {
-            let place = place(mesh, ball, reach);
-            if inside {
-                self.places.push(place);
-            } else {
-                let side = sided(mesh, sheet, ball, place, reach);
-                self.places.extend(side);
-            }
-        }
-        if !inside {
-            self.drop_outsides(mesh, ball.radius);
-        }
+        self.places.extend(
+            reaches
+                .iter()
+                .filter_map(|reach| sided(mesh, sheet, ball, reach)),
+        );
+        self.drop_outsides(mesh, ball.radius);
         if self.places.is_empty() {
             return;
         }
-        if self.places.iter().any(|place| place.part != Part::Face) {
-            self.keep_minima(mesh);
-        }
+        self.keep_minima(mesh);
         self.group(mesh);
         self.merge(mesh, ball);
     }
@@ -174,20 +204,14 @@ impl Finder {
     fn keep_minima(&mut self, mesh: &Mesh) {
         let deeper = |a: Place, b: &Place| if b.overlap > a.overlap { *b } else { a };
         let deepest = self.places.iter().fold(self.places[0], deeper);
-        // Nowhere on a closed mesh does a triangle meet none.
-        let closed = mesh.is_closed();
-        for k in 0..self.places.len() {
-            let Some(meeting) = self.places[k].on else {
-                self.places[k].group = KEPT;
-                continue;
-            };
-            let there = |other: &Place| other.on == Some(meeting);
-            let first = !self.places[..k].iter().any(there);
-            let found = self.places[k..].iter().filter(|other| there(other)).count();
-            let minimal = first && (found > 1 || !closed) && found == meeting.triangles(mesh);
-            self.places[k].group = if minimal { KEPT } else { DROPPED };
-        }
-        self.places.retain(|place| place.group == KEPT);
+        self.meetings.clear();
+        self.meetings
+            .extend(self.places.iter().map(|place| place.on));
+        let mut next = 0..;
+        self.places.retain(|_| {
+            let k = next.next().unwrap_or_default();
+            is_minimum(mesh, &self.meetings, k)
+        });
         if self.places.is_empty() {
             self.places.push(deepest);
         }
@@ -263,13 +287,27 @@ impl Finder {
     }
 }
 
+/// Whether foot `k` of a grain is a local minimum of the distance, by what each of its feet is on.
+///
+/// Feet that are on one edge or vertex are one: the first.
+#[inline(always)]
+fn is_minimum(mesh: &Mesh, on: &[Option<Meeting>], k: usize) -> bool {
+    let Some(meeting) = on[k] else {
+        return true;
+    };
+    let there = |other: &&Option<Meeting>| **other == Some(meeting);
+    let found = on[k..].iter().filter(there).count();
+    // Nowhere on a closed mesh does a triangle meet none.
+    (found > 1 || !mesh.is_closed())
+        && found == meeting.triangles(mesh)
+        && !on[..k].iter().any(|other| there(&other))
+}
+
 /// A reach as a place.
-fn place(mesh: &Mesh, ball: &Ball<'_>, reach: &Reach) -> Place {
-    let (triangle, part) = (reach.pair[1], reach.part());
+fn place(ball: &Ball<'_>, reach: &Reach, on: Option<Meeting>) -> Place {
     Place {
-        triangle,
-        part,
-        on: Meeting::of(mesh, triangle, part),
+        triangle: reach.pair[1],
+        on,
         weights: reach.weights(),
         normal: reach.normal(),
         overlap: ball.radius - reach.depth(),
@@ -278,16 +316,12 @@ fn place(mesh: &Mesh, ball: &Ball<'_>, reach: &Reach) -> Place {
     }
 }
 
-/// The place seen from the side of the sheet that the center is on; none if that is the outside, and it did not touch before.
-fn sided(
-    mesh: &Mesh,
-    sheet: Sheet<'_>,
-    ball: &Ball<'_>,
-    mut place: Place,
-    reach: &Reach,
-) -> Option<Place> {
-    if place.part != Part::Face {
-        let mean = mean_outward(mesh, sheet, place.triangle, place.part);
+/// A reach seen from the side of the sheet that the center is on; none if that is the outside, and it did not touch before.
+fn sided(mesh: &Mesh, sheet: Sheet<'_>, ball: &Ball<'_>, reach: &Reach) -> Option<Place> {
+    let (triangle, part) = (reach.pair[1], reach.part());
+    let mut place = place(ball, reach, Meeting::of(mesh, triangle, part));
+    if part != Part::Face {
+        let mean = mean_outward(mesh, sheet, triangle, part);
         if reach.depth() == 0.0 {
             place.normal = plain::scale(mean, -1.0 / plain::norm(mean));
         } else if plain::dot(place.normal, mean) > 0.0 {
@@ -296,7 +330,7 @@ fn sided(
             place.overlap = ball.radius + reach.depth();
         }
     }
-    (place.overlap <= ball.radius || (ball.touched)(place.triangle)).then_some(place)
+    (place.overlap <= ball.radius || ball.touched(mesh, triangle)).then_some(place)
 }
 
 /// An edge or a vertex of the mesh.
