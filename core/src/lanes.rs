@@ -168,6 +168,35 @@ pub trait Lane:
         rows.each_ref().map(Self::load)
     }
 
+    /// Eight triples, one behind the other, as three vectors: number `n` of triple `e` becomes lane `e` of vector `n`.
+    /// Only for K = 8.
+    #[inline(always)]
+    #[must_use]
+    fn of_triples(triples: &[[Self::Scalar; 3]; 8]) -> [Self; 3] {
+        let mut rows = [Self::Row::default(); 3];
+        for (e, triple) in triples.iter().enumerate() {
+            for (row, &number) in rows.iter_mut().zip(triple) {
+                row.lanes_mut()[e] = number;
+            }
+        }
+        rows.each_ref().map(Self::load)
+    }
+
+    /// The triples of which [`of_triples`](Self::of_triples) makes these vectors.
+    #[inline(always)]
+    #[must_use]
+    fn triples(vectors: [Self; 3]) -> [[Self::Scalar; 3]; 8] {
+        let mut triples = [[Self::Scalar::default(); 3]; 8];
+        for (n, vector) in vectors.into_iter().enumerate() {
+            let mut row = Self::Row::default();
+            vector.store(&mut row);
+            for (triple, &number) in triples.iter_mut().zip(row.lanes()) {
+                triple[n] = number;
+            }
+        }
+        triples
+    }
+
     /// A constant of the physics in every replica.
     #[inline(always)]
     #[must_use]

@@ -205,6 +205,16 @@ fn transposed([a, b, c, d]: [__m512d; 4]) -> [__m512d; 4] {
     }
 }
 
+/// Picks eight of sixteen numbers: those of `second` count from eight on.
+#[inline(always)]
+fn pick(first: __m512d, which: [i64; 8], second: __m512d) -> __m512d {
+    let [a, b, c, d, e, f, g, h] = which;
+    #[expect(unsafe_code, reason = "only reached through `enter`")]
+    unsafe {
+        _mm512_permutex2var_pd(first, _mm512_setr_epi64(a, b, c, d, e, f, g, h), second)
+    }
+}
+
 avx512! {
     /// Eight replicas in double precision.
     F64x8, f64, 8, __m512d, __mmask8,
@@ -227,6 +237,33 @@ avx512! {
         let low = transposed([a.0, b.0, c.0, d.0]);
         let high = transposed([e.0, f.0, g.0, h.0]);
         std::array::from_fn(|n| Self(half(n / 4, low[n % 4], high[n % 4])))
+    }
+
+    #[inline(always)]
+    fn of_triples(triples: &[[f64; 3]; 8]) -> [Self; 3] {
+        let numbers = triples.as_flattened();
+        let part = |n: usize| unsafe { _mm512_loadu_pd(numbers[8 * n..8 * n + 8].as_ptr()) };
+        let (a, b, c) = (part(0), part(1), part(2));
+        let x = pick(pick(a, [0, 3, 6, 9, 12, 15, 0, 0], b), [0, 1, 2, 3, 4, 5, 10, 13], c);
+        let y = pick(pick(a, [1, 4, 7, 10, 13, 0, 0, 0], b), [0, 1, 2, 3, 4, 8, 11, 14], c);
+        let z = pick(pick(a, [2, 5, 8, 11, 14, 0, 0, 0], b), [0, 1, 2, 3, 4, 9, 12, 15], c);
+        [Self(x), Self(y), Self(z)]
+    }
+
+    #[inline(always)]
+    fn triples([x, y, z]: [Self; 3]) -> [[f64; 3]; 8] {
+        let (x, y, z) = (x.0, y.0, z.0);
+        let parts = [
+            pick(pick(x, [0, 8, 0, 1, 9, 0, 2, 10], y), [0, 1, 8, 3, 4, 9, 6, 7], z),
+            pick(pick(x, [0, 3, 11, 0, 4, 12, 0, 5], y), [10, 1, 2, 11, 4, 5, 12, 7], z),
+            pick(pick(x, [13, 0, 6, 14, 0, 7, 15, 0], y), [0, 13, 2, 3, 14, 5, 6, 15], z),
+        ];
+        let mut triples = [[0.0; 3]; 8];
+        let numbers = triples.as_flattened_mut();
+        for (n, part) in parts.into_iter().enumerate() {
+            unsafe { _mm512_storeu_pd(numbers[8 * n..8 * n + 8].as_mut_ptr(), part) }
+        }
+        triples
     }
 }
 

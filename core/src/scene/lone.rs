@@ -235,10 +235,7 @@ fn interact_eight<W: Lane<Row = F64x8, Scalar = f64>, P: Physics>(
         return;
     }
     *live = touches;
-    let mut history = <P::Tangential as TangentialLaw>::History::<W>::from_fn(|n| {
-        let number = |e: usize| histories[e].as_slice()[n].0[0];
-        W::load(&F64x8(std::array::from_fn(number)))
-    });
+    let mut history = remembered::<W, P::Tangential>(histories);
     let action = interact::<W, P>(
         constants,
         &geometry::<W, P>(branch, [radius_i, radius_j]),
@@ -246,13 +243,7 @@ fn interact_eight<W: Lane<Row = F64x8, Scalar = f64>, P: Physics>(
         &work.partner::<W, P>(&of_j, radius_j),
         &mut history,
     );
-    for (n, lanes) in history.as_slice().iter().enumerate() {
-        let mut row = F64x8::default();
-        lanes.keep(touching).store(&mut row);
-        for (history, number) in histories.iter_mut().zip(row.0) {
-            history.as_mut_slice()[n].0[0] = number;
-        }
-    }
+    remember::<W, P::Tangential>(&history, touching, histories);
     let force = action.force.keep(touching);
     let (mut on_i, mut on_j) = (Vec3::zero(), Vec3::zero());
     if P::SPINS {
@@ -265,6 +256,42 @@ fn interact_eight<W: Lane<Row = F64x8, Scalar = f64>, P: Physics>(
     for e in 0..WIDE {
         work.add(of_i[e].grain, on_i[e]);
         work.add(of_j[e].grain, on_j[e]);
+    }
+}
+
+/// The histories of eight contacts, one to a lane.
+#[inline(always)]
+fn remembered<W: Lane<Row = F64x8, Scalar = f64>, T: TangentialLaw>(
+    histories: &[T::History<F64x1>; WIDE],
+) -> T::History<W> {
+    let zero = T::History::<W>::from_fn(|_| W::constant(0.0));
+    let mut triples = [[0.0; 3]; WIDE];
+    for (triple, history) in triples.iter_mut().zip(histories) {
+        for (to, from) in triple.iter_mut().zip(history.as_slice()) {
+            *to = from.0[0];
+        }
+    }
+    let vectors = W::of_triples(&triples);
+    let mut history = zero;
+    history.as_mut_slice().copy_from_slice(&vectors[..zero.as_slice().len()]);
+    history
+}
+
+/// Writes the histories of those of eight contacts that touch, and zero to the others.
+#[inline(always)]
+fn remember<W: Lane<Row = F64x8, Scalar = f64>, T: TangentialLaw>(
+    history: &T::History<W>,
+    touching: W::Mask,
+    histories: &mut [T::History<F64x1>; WIDE],
+) {
+    let mut vectors = [W::constant(0.0); 3];
+    for (to, from) in vectors.iter_mut().zip(history.as_slice()) {
+        *to = from.keep(touching);
+    }
+    for (history, triple) in histories.iter_mut().zip(W::triples(vectors)) {
+        for (to, from) in history.as_mut_slice().iter_mut().zip(triple) {
+            *to = F64x1([from]);
+        }
     }
 }
 

@@ -38,6 +38,27 @@ impl Eight {
         gathered(|e| vector(self.nth(e)))
     }
 
+    /// The grains' own vectors of all.
+    #[inline(always)]
+    fn vectors<W: Lane<Row = F64x8, Scalar = f64>>(self, all: &[Vec3<F64x1>]) -> Vec3<W> {
+        let own = &all[self.first..self.first + self.count];
+        let mut triples = [[0.0; 3]; WIDE];
+        match own.as_array::<WIDE>() {
+            Some(own) => {
+                for (triple, vector) in triples.iter_mut().zip(own) {
+                    *triple = numbers(vector);
+                }
+            }
+            None => {
+                for (e, triple) in triples.iter_mut().enumerate() {
+                    *triple = numbers(&own[e.min(self.count - 1)]);
+                }
+            }
+        }
+        let [x, y, z] = W::of_triples(&triples);
+        Vec3 { x, y, z }
+    }
+
     #[inline(always)]
     pub(super) fn numbers<W: Lane<Row = F64x8, Scalar = f64>>(
         self,
@@ -51,10 +72,9 @@ impl Eight {
         self,
         grains: &Grains<F64x1>,
     ) -> Moving<W> {
-        let lone = |vector: &Vec3<F64x1>| [vector.x.0[0], vector.y.0[0], vector.z.0[0]];
         let mut moving = Moving {
-            displacement: self.gather(|i| lone(&grains.displacement[i])),
-            velocity: self.gather(|i| lone(&grains.velocity[i])),
+            displacement: self.vectors(&grains.displacement),
+            velocity: self.vectors(&grains.velocity),
             turn: Quaternion {
                 w: W::constant(1.0),
                 v: Vec3::zero(),
@@ -62,14 +82,14 @@ impl Eight {
             spin: Vec3::zero(),
         };
         if P::SPINS {
-            moving.spin = self.gather(|i| lone(&grains.spin[i]));
+            moving.spin = self.vectors(&grains.spin);
         }
         if P::ORIENTED {
             moving.turn = Quaternion {
                 w: W::load(&F64x8(std::array::from_fn(|e| {
                     grains.turn[self.nth(e)].w.0[0]
                 }))),
-                v: self.gather(|i| lone(&grains.turn[i].v)),
+                v: self.gather(|i| numbers(&grains.turn[i].v)),
             };
         }
         moving
@@ -110,11 +130,19 @@ fn nth(rows: &Vec3<F64x8>, e: usize) -> Vec3<F64x1> {
 }
 
 #[inline(always)]
-fn put<W: Lane<Row = F64x8>>(vector: Vec3<W>, to: &mut [Vec3<F64x1>]) {
-    let mut rows = Vec3::default();
-    vector.store(&mut rows);
-    for (e, to) in to.iter_mut().enumerate() {
-        *to = nth(&rows, e);
+fn numbers(vector: &Vec3<F64x1>) -> [f64; 3] {
+    [vector.x.0[0], vector.y.0[0], vector.z.0[0]]
+}
+
+#[inline(always)]
+fn put<W: Lane<Row = F64x8, Scalar = f64>>(vector: Vec3<W>, to: &mut [Vec3<F64x1>]) {
+    let triples = W::triples([vector.x, vector.y, vector.z]);
+    for (to, [x, y, z]) in to.iter_mut().zip(triples) {
+        *to = Vec3 {
+            x: F64x1([x]),
+            y: F64x1([y]),
+            z: F64x1([z]),
+        };
     }
 }
 
