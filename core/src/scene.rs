@@ -17,6 +17,7 @@ mod motion;
 pub(crate) mod step;
 pub mod surroundings;
 pub(crate) mod survey;
+pub(crate) mod two;
 
 use casing::Casing;
 use contacts::{Contacts, Live};

@@ -24,6 +24,7 @@ use super::contacts::{Candidate, Contacts};
 use super::interact::{Constants, branch, geometry, interact};
 use super::motion::{Fastest, Load, MotionConstants, RowGrain, advance, push_of_wall};
 use super::surroundings::{OnGrains, Surroundings};
+use super::two::both;
 use super::{Laws, Physics, Scene};
 
 /// Lanes.
@@ -57,12 +58,11 @@ pub(super) fn step<P: Physics>(scene: &mut Scene<F64x1, P>) -> f64 {
         work,
     };
     let grains_act = || dispatch::<F64x8, _>(width, pairs);
-    let mut surroundings_act = || surroundings.act(grains, time_step, width);
-    if size_of::<P::Surroundings>() > 0 && rayon::current_thread_index().is_some() {
-        rayon::join(grains_act, surroundings_act);
+    let surroundings_act = || surroundings.act(grains, time_step, width);
+    if size_of::<P::Surroundings>() > 0 {
+        both(grains_act, surroundings_act);
     } else {
         grains_act();
-        surroundings_act();
     }
     let motion = MotionConstants::<F64x1>::new(laws);
     push_of_walls::<P>(&motion, grains, contacts, walls, &mut work.loads);

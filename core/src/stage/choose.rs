@@ -17,6 +17,7 @@ use crate::memory::train::{self, Chosen};
 use crate::observable::critical_time_step::Across;
 use crate::outcome::{Outcome, Progress, StageFailure, Watch};
 use crate::scene::With;
+use crate::scene::two::helped;
 use crate::shape::{Shape, Sphere, Tetrahedron};
 
 type Outcomes = Result<Vec<Result<Outcome, StageFailure>>, StageFailure>;
@@ -71,7 +72,7 @@ pub(super) fn run(ensemble: &Ensemble<'_>, width: VectorWidth, watch: Watch<'_>)
         }
         StageSpec::Recall(_) => recalled(ensemble, width, &mut progress),
         StageSpec::Grow(_) | StageSpec::Jam(_) | StageSpec::Bend(_) => {
-            let outcome = bent(ensemble, &stage, checkpoint, width, &mut progress);
+            let outcome = helped(|| bent(ensemble, &stage, checkpoint, width, &mut progress));
             Ok(vec![outcome])
         }
     }
