@@ -50,7 +50,7 @@ pub(crate) async fn run(args: Args) -> anyhow::Result<Done> {
         ..Config::new(args.data)
     };
     let (mut service, address) =
-        serve::start(config, args.workers.unwrap_or_else(all_cores)).await?;
+        serve::start(config, None, args.workers.unwrap_or_else(all_cores)).await?;
     eprintln!("the page is at http://{address}");
     let shown = show(&mut service, &spec, args.exit, address).await;
     let stopped = service.stop().await;

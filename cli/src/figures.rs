@@ -25,7 +25,7 @@ use drawing::Drawing;
 use crate::api_client::{ApiClient, ServerArgs};
 use crate::failure::Done;
 use crate::progress::duration;
-use crate::service::Service;
+use crate::service::{Place, Service};
 use crate::spec_file::SpecFile;
 use crate::table::Table;
 use crate::{log, output, run};
@@ -62,14 +62,8 @@ pub(crate) struct Args {
     /// Engine threads; all cores by default.
     #[arg(long, env = "GRANARY_THREADS", value_name = "N")]
     threads: Option<usize>,
-    /// Directory of the database and the artifacts.
-    #[arg(
-        long,
-        env = "GRANARY_DATA",
-        default_value = ".granary",
-        value_name = "DIR"
-    )]
-    data: PathBuf,
+    #[command(flatten)]
+    place: Place,
 }
 
 fn preset_names() -> Vec<&'static str> {
@@ -153,7 +147,8 @@ async fn draw(args: &Args, figure: &Figure) -> anyhow::Result<Done> {
         return write(&client, sweep, figure, &args.out).await;
     }
     log::to_stderr(tracing::Level::WARN);
-    let mut service = Service::open(Config::new(&args.data), "granary figures").await?;
+    let mut service = Service::open(Config::new(&args.place.data), "granary figures").await?;
+    service.archive = args.place.archive.open();
     let done = draw_here(&mut service, args, figure, &spec).await;
     let stopped = service.stop().await;
     let done = done?;

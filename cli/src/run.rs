@@ -10,7 +10,7 @@ use serde_json::json;
 
 use crate::api_client::ApiClient;
 use crate::failure::Done;
-use crate::service::{Service, all_cores};
+use crate::service::{Place, Service, all_cores};
 use crate::spec_file::SpecFile;
 use crate::{interrupt, log, output, submit, table, watch};
 
@@ -25,21 +25,16 @@ pub(crate) struct Args {
     /// Engine threads; all cores by default.
     #[arg(long, env = "GRANARY_THREADS", value_name = "N")]
     threads: Option<usize>,
-    /// Directory of the database and the artifacts.
-    #[arg(
-        long,
-        env = "GRANARY_DATA",
-        default_value = ".granary",
-        value_name = "DIR"
-    )]
-    data: PathBuf,
+    #[command(flatten)]
+    place: Place,
 }
 
 /// Computes, or goes on where an interrupted run stopped.
 pub(crate) async fn run(args: Args) -> anyhow::Result<Done> {
     log::to_stderr(tracing::Level::WARN);
     let spec = SpecFile::read(&args.spec)?;
-    let mut service = Service::open(Config::new(&args.data), "granary run").await?;
+    let mut service = Service::open(Config::new(&args.place.data), "granary run").await?;
+    service.archive = args.place.archive.open();
     let done = whole(&mut service, &args, &spec).await;
     let stopped = service.stop().await;
     let done = done?;

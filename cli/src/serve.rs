@@ -1,13 +1,13 @@
 //! `granary serve`: the server, with workers in its own process.
 
 use std::net::SocketAddr;
-use std::path::PathBuf;
 use std::time::Duration;
 
 use granary_server::Config;
+use granary_worker::archive::Archive;
 
 use crate::failure::Done;
-use crate::service::{Service, all_cores};
+use crate::service::{Place, Service, all_cores};
 use crate::{interrupt, log};
 
 /// Serve the API and the page; compute in the same process.
@@ -21,14 +21,8 @@ pub(crate) struct Args {
         value_name = "ADDR"
     )]
     listen: SocketAddr,
-    /// Directory of the database and the artifacts.
-    #[arg(
-        long,
-        env = "GRANARY_DATA",
-        default_value = ".granary",
-        value_name = "DIR"
-    )]
-    data: PathBuf,
+    #[command(flatten)]
+    place: Place,
     /// Engine threads in this process; 0 leaves all work to `granary worker`.
     #[arg(long, env = "GRANARY_WORKERS", value_name = "N")]
     workers: Option<usize>,
@@ -53,9 +47,11 @@ pub(crate) async fn run(args: Args) -> anyhow::Result<Done> {
         hosts: args.hosts,
         lease_term: Duration::from_secs(args.lease_term.into()),
         heartbeat: Duration::from_secs(args.lease_term.into()) / 3,
-        ..Config::new(args.data)
+        ..Config::new(args.place.data)
     };
-    let (mut service, address) = start(config, args.workers.unwrap_or_else(all_cores)).await?;
+    let slots = args.workers.unwrap_or_else(all_cores);
+    let archive = args.place.archive.open();
+    let (mut service, address) = start(config, archive, slots).await?;
     eprintln!("granary serves at http://{address}");
     let ended = tokio::select! {
         interrupted = interrupt::wait() => interrupted,
@@ -69,8 +65,13 @@ pub(crate) async fn run(args: Args) -> anyhow::Result<Done> {
 ///
 /// # Errors
 /// If the directory is held, the port taken, or the address open to others without a token.
-pub(crate) async fn start(config: Config, slots: usize) -> anyhow::Result<(Service, SocketAddr)> {
+pub(crate) async fn start(
+    config: Config,
+    archive: Option<Archive>,
+    slots: usize,
+) -> anyhow::Result<(Service, SocketAddr)> {
     let mut service = Service::open(config, "a server that starts").await?;
+    service.archive = archive;
     let address = service.listen().await?;
     service.work(slots);
     Ok((service, address))

@@ -2,11 +2,13 @@
 
 use std::net::SocketAddr;
 use std::num::NonZero;
+use std::path::PathBuf;
 use std::time::Duration;
 
 use anyhow::Context;
 use granary_api::token::Scope;
 use granary_server::{Config, ServeError, Server, Store};
+use granary_worker::archive::Archive;
 use granary_worker::{config as worker, execute::core_engine, lease_loop};
 use tokio::task::JoinSet;
 use tokio_util::sync::CancellationToken;
@@ -26,10 +28,41 @@ pub(crate) fn all_cores() -> usize {
     std::thread::available_parallelism().map_or(1, NonZero::get)
 }
 
+/// Where a process that computes by itself keeps what it knows.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Place {
+    /// Directory of the database and the artifacts.
+    #[arg(
+        long,
+        env = "GRANARY_DATA",
+        default_value = ".granary",
+        value_name = "DIR"
+    )]
+    pub(crate) data: PathBuf,
+    #[command(flatten)]
+    pub(crate) archive: ArchiveArgs,
+}
+
+/// What was computed before, on whatever server.
+#[derive(Debug, clap::Args)]
+pub(crate) struct ArchiveArgs {
+    /// Directory where finished stages are kept, and looked for before they are computed.
+    #[arg(long, env = "GRANARY_ARCHIVE", value_name = "DIR")]
+    archive: Option<PathBuf>,
+}
+
+impl ArchiveArgs {
+    pub(crate) fn open(&self) -> Option<Archive> {
+        self.archive.clone().map(Archive::new)
+    }
+}
+
 /// An open data directory and what runs around it.
 pub(crate) struct Service {
     /// The store.
     pub(crate) store: Store,
+    /// What its workers need not compute.
+    pub(crate) archive: Option<Archive>,
     shutdown: CancellationToken,
     tasks: JoinSet<anyhow::Result<()>>,
     /// The name of the token of this process, if the store asks for tokens.
@@ -48,6 +81,7 @@ impl Service {
         let store = store.with_context(|| format!("cannot use the data directory {place}"))?;
         Ok(Self {
             store,
+            archive: None,
             shutdown: CancellationToken::new(),
             tasks: JoinSet::new(),
             token: None,
@@ -104,6 +138,7 @@ impl Service {
         let config = worker::Config {
             name: format!("{IN_PROCESS}{}", usual.name),
             poll: POLL,
+            archive: self.archive.clone(),
             ..usual
         };
         let client = DirectLeaseClient::new(self.store.clone());

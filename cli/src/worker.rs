@@ -12,7 +12,7 @@ use tokio_util::sync::CancellationToken;
 
 use crate::api_client::ServerArgs;
 use crate::failure::Done;
-use crate::service::all_cores;
+use crate::service::{ArchiveArgs, all_cores};
 use crate::{interrupt, log};
 
 /// Compute jobs of a server until stopped; needs no port of its own.
@@ -36,6 +36,8 @@ pub(crate) struct Args {
     /// Directory for finished outcomes that could not be delivered.
     #[arg(long, env = "GRANARY_SPOOL", value_name = "DIR", default_value_os_t = spool())]
     spool: PathBuf,
+    #[command(flatten)]
+    archive: ArchiveArgs,
     /// Seconds between stored checkpoints of a running job.
     #[arg(
         long,
@@ -61,6 +63,7 @@ impl Args {
             memory_bytes: self.memory_gib.map_or(usual.memory_bytes, memory),
             checkpoint_every: Duration::from_secs(self.checkpoint_s),
             spool: Some(self.spool.clone()),
+            archive: self.archive.open(),
             ..usual
         }
     }

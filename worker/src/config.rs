@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
+use crate::archive::Archive;
 use crate::machine;
 
 /// The settings of one worker process.
@@ -22,6 +23,8 @@ pub struct Config {
     pub grace: Duration,
     /// Where finished outcomes wait that could not be delivered; without it they wait in memory alone.
     pub spool: Option<PathBuf>,
+    /// Where finished stages are kept, and looked for first.
+    pub archive: Option<Archive>,
 }
 
 impl Config {
@@ -37,6 +40,7 @@ impl Config {
             checkpoint_every: Duration::from_mins(5),
             grace: Duration::from_secs(15),
             spool: None,
+            archive: None,
         }
     }
 }

@@ -8,6 +8,7 @@ use std::time::{Duration, Instant};
 use granary_core::stage::{Ensemble, Outcome, Report, StageFailure, StageSpec, Watch};
 use tokio::sync::{OwnedSemaphorePermit, oneshot, watch};
 
+use crate::archive::Archive;
 use crate::held::{Signals, Word};
 use crate::machine::thread_cpu_time;
 
@@ -60,13 +61,15 @@ pub(crate) struct Running {
 
 /// Starts `inputs` on a thread of its own; `slot` is given back when that thread ends.
 ///
+/// What the archive holds is not computed again, and what is computed is kept there.
+///
 /// # Errors
 /// If the system gives no thread.
 pub(crate) fn start(
     engine: Engine,
     inputs: Inputs,
     signals: Arc<Signals>,
-    checkpoint_every: Duration,
+    (checkpoint_every, archive): (Duration, Option<Archive>),
     slot: OwnedSemaphorePermit,
 ) -> std::io::Result<Running> {
     let (finished_in, finished) = oneshot::channel();
@@ -80,7 +83,14 @@ pub(crate) fn start(
     std::thread::Builder::new()
         .name("engine".to_owned())
         .spawn(move || {
-            let outcome = compute(&engine, &inputs, observer);
+            let before = archive.as_ref().and_then(|a| a.find(&inputs.specs));
+            let outcome = before.unwrap_or_else(|| {
+                let finished = compute(&engine, &inputs, observer);
+                if let Some(archive) = &archive {
+                    archive.keep(&inputs.specs, &finished, inputs.checkpoints.is_some());
+                }
+                finished
+            });
             drop(inputs);
             drop(slot);
             // An error means that the lease is gone and nobody waits.

@@ -4,6 +4,7 @@
 //! How a slot reaches the queue is a [`lease_client::LeaseClient`]: over HTTP, or directly inside the server's process.
 //! A worker never opens the database and never decides whether a job is tried again; it only says how a try ended.
 
+pub mod archive;
 pub mod backoff;
 pub mod config;
 pub mod lease_client;

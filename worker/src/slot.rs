@@ -174,7 +174,7 @@ impl<C: LeaseClient> Slot<C> {
             Arc::clone(&self.engine),
             inputs,
             Arc::clone(&held.signals),
-            self.config.checkpoint_every,
+            (self.config.checkpoint_every, self.config.archive.clone()),
             thread,
         )
         .map_err(|error| format!("no engine thread: {error}"))?;

@@ -158,8 +158,8 @@ impl Bench<'_> {
         let casing = &mut beam.surroundings;
         self.forget_the_mold(&mut casing.membrane, &state.vertices);
         casing.press.pressure = self.jam.confining_pressure;
-        let [low, high] = casing.membrane.mesh().bounds();
-        let distances = [0, 1, 2].map(|k| 0.5 * (high[k] - low[k]) + self.jam.vertex_radius);
+        let extent = casing.membrane.mesh().extent();
+        let distances = extent.map(|side| 0.5 * side + self.jam.vertex_radius);
         casing.press.planes = mold(distances);
         let fractions = (self.spec.release_time_step_fraction, f64::MAX);
         let run = Run::new(beam, Course::BEGINNING, fractions, self.spec.overlap);

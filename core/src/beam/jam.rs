@@ -1,7 +1,11 @@
 //! The stage `jam`: pressure on the membrane compacts the grains, and the walls of the mold follow.
 //!
-//! Each wall moves inward only, both of a pair alike, so that the beam stays a cuboid: at its largest speed where it carries
-//! nothing, and slower the more of `mold_load` Δp A it carries.
+//! Walls move inward only, both of a pair alike, so that the beam stays a cuboid.
+//! 1. By default all move by one strain rate and take the membrane with them ([`even`]), until the grains balance the pressure.
+//! 2. Then each pair follows the membrane for itself, until all is at rest: at its largest speed where it carries nothing, and
+//!    slower the more of `mold_load` Δp A it carries.
+
+mod even;
 
 use std::collections::BTreeMap;
 
@@ -10,16 +14,16 @@ use serde::{Deserialize, Serialize};
 use super::probe;
 use super::rig::{Friction, Rig};
 use super::run::{Course, Rest, Run, stopped};
-use super::spec::JamSpec;
+use super::spec::{JamSpec, Mold};
 use super::state::{Past, Snapshot};
 use crate::contact::frictionless::Frictionless;
 use crate::contact::mindlin::Mindlin;
 use crate::grains::Motion;
 use crate::guard::Stop;
 use crate::lanes::VectorWidth;
-use crate::math::plain;
 use crate::outcome::{Outcome, Progress, STATE, StageFailure};
 use crate::wall::press::Plane;
+use even::Faces;
 
 /// Pressure of grown grains on one another, over Δp, from which on they are not loose before they are compacted.
 const LARGEST_GROWTH_PRESSURE: f64 = 0.1;
@@ -33,6 +37,8 @@ struct Header {
     rest: Rest,
     /// Position, velocity and last load of the six walls.
     walls: Vec<[f64; 3]>,
+    /// The strain rate of walls that move evenly, while they do \[1/s\].
+    even: Option<f64>,
 }
 
 /// Compacts the grown grains of `input`, or goes on from a checkpoint.
@@ -68,23 +74,30 @@ fn compacted<T: Friction>(
         width,
     };
     let sides = [grow.length, grow.depth, grow.height];
-    let mut walls = mold(sides.map(|side| 0.5 * side + spec.vertex_radius));
-    let (mut beam, course, mut rest) = match checkpoint {
+    let faces = Faces::of(rig.membrane()?.mesh(), sides);
+    let mut walls = outside(spec, sides);
+    let (mut beam, course, mut rest, mut even) = match checkpoint {
         Some(bytes) => {
             let saved = Snapshot::<Header>::of_stage(bytes, stage, |header| &header.stage)?;
             let header = &saved.header;
             for (wall, &[position, velocity, force]) in walls.iter_mut().zip(&header.walls) {
                 (wall.position, wall.velocity, wall.force) = (position, velocity, force);
             }
-            (rig.restored::<T, _>(&saved)?, header.course, header.rest)
+            let beam = rig.restored::<T, _>(&saved)?;
+            (beam, header.course, header.rest, header.even)
         }
         None => (
             rig.restored::<T, _>(&still(&state))?,
             Course::BEGINNING,
             Rest::from(spec.pressure_ramp),
+            (spec.mold == Mold::Even).then_some(0.0),
         ),
     };
-    beam.surroundings.press.planes = walls;
+    if even.is_some() {
+        faces.hold(&mut beam.surroundings.membrane);
+    } else {
+        beam.surroundings.press.planes = walls;
+    }
     let mut run = Run::new(
         beam,
         course,
@@ -94,8 +107,11 @@ fn compacted<T: Friction>(
     loop {
         let pressure = spec.confining_pressure * (run.time / spec.pressure_ramp).min(1.0);
         run.beam.surroundings.press.pressure = pressure;
-        follow(spec, &mut run.beam.surroundings.press.planes);
-        let due = rest.is_due(run.time);
+        match even {
+            Some(rate) => faces.drive(&mut run.beam.surroundings.membrane, rate),
+            None => follow(spec, &mut run.beam.surroundings.press.planes),
+        }
+        let due = even.is_none() && rest.is_due(run.time);
         let before = if due { velocities(&run) } else { vec![] };
         let saved_rest = rest;
         run.advance(progress, &|run| {
@@ -109,9 +125,19 @@ fn compacted<T: Friction>(
                     .iter()
                     .map(|wall| [wall.position, wall.velocity, wall.force])
                     .collect(),
+                even,
             };
             Snapshot::of(&run.beam, header).to_bytes()
         })?;
+        if even.is_some() {
+            let casing = &mut run.beam.surroundings;
+            even = faces.rate(spec, &casing.membrane, run.time);
+            if even.is_none() {
+                faces.release(&mut casing.membrane);
+                casing.press.planes = outside(spec, casing.membrane.mesh().extent());
+                rest = Rest::from(run.time);
+            }
+        }
         if due && rest.check(&spec.rest, &mut run, &before) {
             break;
         }
@@ -185,6 +211,11 @@ pub(super) fn mold(distances: [f64; 3]) -> Vec<Plane> {
         .collect()
 }
 
+/// The walls of a mold that vertices touch when they fill a cuboid of these sides.
+fn outside(spec: &JamSpec, sides: [f64; 3]) -> Vec<Plane> {
+    mold(sides.map(|side| 0.5 * side + spec.vertex_radius))
+}
+
 /// Sets the walls' speeds by what they carried in the last step.
 fn follow(spec: &JamSpec, walls: &mut [Plane]) {
     let extent =
@@ -207,8 +238,7 @@ fn outcome<T: Friction>(
     run: &Run<T>,
 ) -> Outcome {
     let mesh = run.beam.surroundings.membrane.mesh();
-    let [low, high] = mesh.bounds();
-    let [length, depth, height] = plain::sub(high, low);
+    let [length, depth, height] = mesh.extent();
     let grains = run.beam.grains.len() as f64;
     let touched = grains > 0.0;
     let results = [

@@ -6,7 +6,7 @@ use serde_json::{Map, Value};
 use super::parameters::{PARAMETERS, PRESETS};
 use super::prediction::{Prediction, rod_travel};
 use super::spec::{
-    BendSpec, GrowSpec, JamSpec, MembraneRest, OverlapLimits, RestCriteria, Support,
+    BendSpec, GrowSpec, JamSpec, MembraneRest, Mold, OverlapLimits, RestCriteria, Support,
 };
 use super::stiffness::ELASTIC_STRAIN;
 use crate::contact::mindlin::TangentialStiffness;
@@ -75,6 +75,7 @@ pub struct BeamPoint {
     pub growth_time: f64,
     pub growth_rest: f64,
     pub pressure_ramp: f64,
+    pub mold: Mold,
     pub mold_speed: f64,
     pub mold_load: f64,
     pub release_time: f64,
@@ -215,6 +216,7 @@ impl BeamPoint {
             membrane_bending_damping: self.membrane_bending_damping,
             vertex_radius: self.vertex_radius,
             pressure_ramp: self.pressure_ramp,
+            mold: self.mold,
             mold_speed: self.mold_speed,
             mold_load: self.mold_load,
             rest: self.rest(),

@@ -19,6 +19,16 @@ pub enum Support {
     PinnedRoller,
 }
 
+/// How the walls of the mold move while the grains are compacted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Mold {
+    /// All by one strain, the membrane's faces with them.
+    Even,
+    /// Each pair for itself, as the membrane leaves it.
+    Following,
+}
+
 /// What the membrane's springs remember.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -143,6 +153,8 @@ pub struct JamSpec {
     pub vertex_radius: f64,
     /// \[s\].
     pub pressure_ramp: f64,
+    /// How the walls of the mold move.
+    pub mold: Mold,
     /// Largest speed of a wall of the mold \[m/s\].
     pub mold_speed: f64,
     /// Reaction at which a wall stands still, over Δp A.

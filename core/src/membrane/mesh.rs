@@ -311,6 +311,13 @@ impl Mesh {
         bounds
     }
 
+    /// The sides of the box around all vertices.
+    #[must_use]
+    pub fn extent(&self) -> [f64; 3] {
+        let [low, high] = self.bounds();
+        plain::sub(high, low)
+    }
+
     /// The numbers of the triangles.
     fn numbers(&self) -> impl Iterator<Item = u32> + use<> {
         0..self.triangles.len() as u32

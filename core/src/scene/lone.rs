@@ -273,7 +273,9 @@ fn remembered<W: Lane<Row = F64x8, Scalar = f64>, T: TangentialLaw>(
     }
     let vectors = W::of_triples(&triples);
     let mut history = zero;
-    history.as_mut_slice().copy_from_slice(&vectors[..zero.as_slice().len()]);
+    history
+        .as_mut_slice()
+        .copy_from_slice(&vectors[..zero.as_slice().len()]);
     history
 }
 

@@ -27,19 +27,27 @@ pub(super) const PREPARATION: &[Parameter] = &[
         0.3,
         "How long the confining pressure rises to its value.",
     ),
+    Parameter::choice(
+        HERE,
+        ("mold", "mold"),
+        &["even", "following"],
+        "even",
+        "Whether all walls of the mold move by one strain and take the membrane with them, so that the beam keeps its \
+         proportions, or each pair follows the membrane for itself.",
+    ),
     Parameter::real(
         HERE,
         ("mold_speed", "v_mold", "m/s"),
         (Open(0.0), Closed(10.0)),
         0.05,
-        "Largest speed at which a wall of the mold follows the membrane inward.",
+        "Largest speed at which a wall of the mold moves inward.",
     ),
     Parameter::real(
         HERE,
         ("mold_load", "F_t/(Δp A)", ""),
         (Open(0.0), Open(1.0)),
         0.01,
-        "Reaction at which a wall of the mold no longer follows, over the confining pressure on its area.",
+        "Over the confining pressure on a wall: the load at which one that follows stands still, or the pressure not balanced by the grains below which even walls slow down.",
     ),
     Parameter::real(
         HERE,
