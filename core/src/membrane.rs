@@ -199,6 +199,11 @@ impl Membrane {
         &mut self.forces
     }
 
+    /// Changes the springs' rest lengths \[m\]; stiffness and masses stay.
+    pub fn set_rest_lengths(&mut self, lengths: impl Iterator<Item = f64>) {
+        self.springs.set_rest_lengths(lengths);
+    }
+
     /// Makes the present shape the one that is free of stress; stiffness and masses stay.
     pub fn reset_rest(&mut self) {
         self.springs.reset_rest(&self.mesh);

@@ -1,9 +1,10 @@
 //! The stage `jam`: pressure on the membrane compacts the grains, and the walls of the mold follow.
 //!
 //! Walls move inward only, both of a pair alike, so that the beam stays a cuboid.
-//! 1. By default all move by one strain rate and take the membrane with them ([`even`]), until the grains balance the pressure.
-//! 2. Then each pair follows the membrane for itself, until all is at rest: at its largest speed where it carries nothing, and
-//!    slower the more of `mold_load` Δp A it carries.
+//! 1. By default all move by one strain rate and take the membrane with them ([`even`]), under `mold_load` Δp, until the grains
+//!    bear half of that.
+//! 2. Then the pressure rises to Δp, and each pair follows the membrane for itself until all is at rest: at its largest speed
+//!    where it carries nothing, and slower the more of `mold_load` Δp A it carries.
 
 mod even;
 
@@ -37,8 +38,16 @@ struct Header {
     rest: Rest,
     /// Position, velocity and last load of the six walls.
     walls: Vec<[f64; 3]>,
-    /// The strain rate of walls that move evenly, while they do \[1/s\].
-    even: Option<f64>,
+    phase: Phase,
+}
+
+/// Where a compaction is.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+enum Phase {
+    /// All walls move inward, by this strain rate \[1/s\].
+    Even(f64),
+    /// The pressure rises, from walls that stand at this share of the mold's sides.
+    Rising(f64),
 }
 
 /// Compacts the grown grains of `input`, or goes on from a checkpoint.
@@ -74,9 +83,9 @@ fn compacted<T: Friction>(
         width,
     };
     let sides = [grow.length, grow.depth, grow.height];
-    let faces = Faces::of(rig.membrane()?.mesh(), sides);
+    let faces = Faces::of(rig.membrane()?.mesh(), spec, grow);
     let mut walls = outside(spec, sides);
-    let (mut beam, course, mut rest, mut even) = match checkpoint {
+    let (mut beam, course, mut rest, mut phase) = match checkpoint {
         Some(bytes) => {
             let saved = Snapshot::<Header>::of_stage(bytes, stage, |header| &header.stage)?;
             let header = &saved.header;
@@ -84,19 +93,23 @@ fn compacted<T: Friction>(
                 (wall.position, wall.velocity, wall.force) = (position, velocity, force);
             }
             let beam = rig.restored::<T, _>(&saved)?;
-            (beam, header.course, header.rest, header.even)
+            (beam, header.course, header.rest, header.phase)
         }
         None => (
             rig.restored::<T, _>(&still(&state))?,
             Course::BEGINNING,
             Rest::from(spec.pressure_ramp),
-            (spec.mold == Mold::Even).then_some(0.0),
+            if spec.mold == Mold::Even && faces.are_loose() {
+                Phase::Even(faces.fastest)
+            } else {
+                Phase::Rising(1.0)
+            },
         ),
     };
-    if even.is_some() {
-        faces.hold(&mut beam.surroundings.membrane);
-    } else {
-        beam.surroundings.press.planes = walls;
+    let casing = &mut beam.surroundings;
+    match phase {
+        Phase::Even(_) => faces.hold(&mut casing.membrane),
+        Phase::Rising(_) => casing.press.planes = walls,
     }
     let mut run = Run::new(
         beam,
@@ -105,13 +118,20 @@ fn compacted<T: Friction>(
         spec.overlap,
     );
     loop {
-        let pressure = spec.confining_pressure * (run.time / spec.pressure_ramp).min(1.0);
-        run.beam.surroundings.press.pressure = pressure;
-        match even {
-            Some(rate) => faces.drive(&mut run.beam.surroundings.membrane, rate),
-            None => follow(spec, &mut run.beam.surroundings.press.planes),
+        let casing = &mut run.beam.surroundings;
+        match phase {
+            Phase::Even(rate) => {
+                casing.press.pressure = faces.pressure;
+                faces.drive(&mut casing.membrane, rate);
+            }
+            Phase::Rising(scale) => {
+                let risen = (run.time / spec.pressure_ramp).min(1.0);
+                casing.press.pressure = spec.confining_pressure * risen;
+                faces.relax(&mut casing.membrane, scale + (1.0 - scale) * risen);
+                follow(spec, &mut casing.press.planes);
+            }
         }
-        let due = even.is_none() && rest.is_due(run.time);
+        let due = matches!(phase, Phase::Rising(_)) && rest.is_due(run.time);
         let before = if due { velocities(&run) } else { vec![] };
         let saved_rest = rest;
         run.advance(progress, &|run| {
@@ -125,18 +145,22 @@ fn compacted<T: Friction>(
                     .iter()
                     .map(|wall| [wall.position, wall.velocity, wall.force])
                     .collect(),
-                even,
+                phase,
             };
             Snapshot::of(&run.beam, header).to_bytes()
         })?;
-        if even.is_some() {
+        if let Phase::Even(rate) = phase {
             let casing = &mut run.beam.surroundings;
-            even = faces.rate(spec, &casing.membrane, run.time);
-            if even.is_none() {
-                faces.release(&mut casing.membrane);
-                casing.press.planes = outside(spec, casing.membrane.mesh().extent());
-                rest = Rest::from(run.time);
-            }
+            phase = match faces.next(rate, &casing.membrane, run.beam.laws.time_step) {
+                Some(rate) => Phase::Even(rate),
+                None => {
+                    faces.release(&mut casing.membrane);
+                    casing.press.planes = outside(spec, casing.membrane.mesh().extent());
+                    // The pressure rises from what the walls moved under.
+                    run.time = spec.mold_load * spec.pressure_ramp;
+                    Phase::Rising(faces.scale(casing.membrane.mesh()))
+                }
+            };
         }
         if due && rest.check(&spec.rest, &mut run, &before) {
             break;

@@ -71,6 +71,13 @@ impl Springs {
         &self.damping
     }
 
+    /// Changes the rest lengths; the stiffness stays.
+    pub fn set_rest_lengths(&mut self, lengths: impl Iterator<Item = f64>) {
+        for (rest, length) in self.rest_lengths.iter_mut().zip(lengths) {
+            *rest = length;
+        }
+    }
+
     /// Makes the present lengths the rest lengths; the stiffness stays.
     pub fn reset_rest(&mut self, mesh: &Mesh) {
         self.rest_lengths = mesh.edge_lengths().collect();

@@ -47,7 +47,7 @@ pub(super) const PREPARATION: &[Parameter] = &[
         ("mold_load", "F_t/(Δp A)", ""),
         (Open(0.0), Open(1.0)),
         0.01,
-        "Over the confining pressure on a wall: the load at which one that follows stands still, or the pressure not balanced by the grains below which even walls slow down.",
+        "Over the confining pressure on a wall: the load at which one that follows stands still, and the pressure under which even walls move.",
     ),
     Parameter::real(
         HERE,
