@@ -1,7 +1,7 @@
 //! The stage `jam`: pressure on the membrane compacts the grains, and the walls of the mold follow.
 //!
 //! Walls move inward only, both of a pair alike, so that the beam stays a cuboid.
-//! 1. By default all move by one strain rate and take the membrane with them ([`even`]), under `mold_load` Δp, until the grains
+//! 1. By default all move by one strain rate and take the membrane with them ([`even`]), under a part of Δp, until the grains
 //!    bear half of that.
 //! 2. Then the pressure rises to Δp, and each pair follows the membrane for itself until all is at rest: at its largest speed
 //!    where it carries nothing, and slower the more of `mold_load` Δp A it carries.
@@ -157,7 +157,7 @@ fn compacted<T: Friction>(
                     faces.release(&mut casing.membrane);
                     casing.press.planes = outside(spec, casing.membrane.mesh().extent());
                     // The pressure rises from what the walls moved under.
-                    run.time = spec.mold_load * spec.pressure_ramp;
+                    run.time = even::PRESSURE * spec.pressure_ramp;
                     Phase::Rising(faces.scale(casing.membrane.mesh()))
                 }
             };

@@ -1,6 +1,6 @@
 //! A mold that keeps its proportions: its walls hold the membrane's faces and move inward by one strain rate.
 //!
-//! They carry loose grains to where these first bear a little of the pressure, so that compaction is isotropic.
+//! They carry loose grains to where these bear a part of the pressure, so that compaction is isotropic.
 //! The membrane shrinks with the mold and is let go there, gently: its springs take their lengths back as the pressure rises.
 //! Let go strained, or under the full pressure, it would snap into folds.
 
@@ -15,6 +15,9 @@ const RANDOM_CLOSE_PACKING: f64 = 0.64;
 
 /// Nor do they come nearer than by this factor, however few the grains.
 const SMALLEST: f64 = 0.8;
+
+/// The pressure under which walls move, over Δp: grains that bear half of it are within 1 % of their last volume.
+pub(super) const PRESSURE: f64 = 0.3;
 
 /// How long the rate takes to follow the load \[s\], a few times the time of a sound wave across the beam.
 const FOLLOWING: f64 = 1e-3;
@@ -53,7 +56,7 @@ impl Faces {
         Self {
             faces: [0, 1, 2].map(|axis| [face(axis, -1.0), face(axis, 1.0)]),
             fastest: 2.0 * spec.mold_speed / longest,
-            pressure: spec.mold_load * spec.confining_pressure,
+            pressure: PRESSURE * spec.confining_pressure,
             least: filled.max(SMALLEST),
             length: sides[0],
             lengths: built.edge_lengths().collect(),

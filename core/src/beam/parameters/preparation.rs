@@ -47,7 +47,7 @@ pub(super) const PREPARATION: &[Parameter] = &[
         ("mold_load", "F_t/(Δp A)", ""),
         (Open(0.0), Open(1.0)),
         0.01,
-        "Over the confining pressure on a wall: the load at which one that follows stands still, and the pressure under which even walls move.",
+        "Reaction at which a wall of the mold no longer follows, over the confining pressure on its area.",
     ),
     Parameter::real(
         HERE,
