@@ -43,7 +43,7 @@ bench: ## time the engine on this machine, on a pack of its own
 	$(CARGO) build --release --locked
 	$(GRANARY) bench $(ARGS)
 
-validate: ## long physics checks: WHAT=numerics|packs
+validate: ## long physics checks: WHAT=numerics|packs|beam
 	$(CARGO) test --release --locked -p granary-core --features validation --test validation -- --nocapture $(WHAT)
 
 verify: ## long service checks: WHAT=crash|intake|service

@@ -1,7 +1,7 @@
 //! Long validation: what a shortcut costs in 𝒢 and 𝓕, and whether the scores are where they must be.
 //!
 //! Source: docs/choices.md §4 and docs/validation.md. Differences within one pack are sharp; the scores of small packs scatter by 20 %.
-//! Not part of the default run: `make validate WHAT=numerics` or `WHAT=packs`, by the feature `validation`.
+//! Not part of the default run: `make validate WHAT=numerics`, `WHAT=packs` or `WHAT=beam`, by the feature `validation`.
 
 use granary_core::lanes::VectorWidth;
 use granary_core::memory::score::{Dots, Processing, Score, Signal};
@@ -13,6 +13,13 @@ use serde_json::Value;
 #[path = "fixture/tiny_pack.rs"]
 #[allow(dead_code, reason = "every proof takes what it needs")]
 mod tiny_pack;
+
+#[path = "fixture/tiny_beam.rs"]
+#[allow(dead_code, reason = "every proof takes what it needs")]
+mod tiny_beam;
+
+#[path = "validation/beam.rs"]
+mod beam;
 
 use tiny_pack::{finish, outcome};
 

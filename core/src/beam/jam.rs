@@ -151,16 +151,15 @@ fn compacted<T: Friction>(
         })?;
         if let Phase::Even(rate) = phase {
             let casing = &mut run.beam.surroundings;
-            phase = match faces.next(rate, &casing.membrane, run.beam.laws.time_step) {
-                Some(rate) => Phase::Even(rate),
-                None => {
-                    faces.release(&mut casing.membrane);
-                    casing.press.planes = outside(spec, casing.membrane.mesh().extent());
-                    // The pressure rises from what the walls moved under.
-                    run.time = even::PRESSURE * spec.pressure_ramp;
-                    Phase::Rising(faces.scale(casing.membrane.mesh()))
-                }
-            };
+            if let Some(rate) = faces.next(rate, &casing.membrane, run.beam.laws.time_step) {
+                phase = Phase::Even(rate);
+            } else {
+                faces.release(&mut casing.membrane);
+                casing.press.planes = outside(spec, casing.membrane.mesh().extent());
+                // The pressure rises from what the walls moved under.
+                run.time = even::PRESSURE * spec.pressure_ramp;
+                phase = Phase::Rising(faces.scale(casing.membrane.mesh()));
+            }
         }
         if due && rest.check(&spec.rest, &mut run, &before) {
             break;

@@ -28,7 +28,7 @@ const BORNE: f64 = 0.5;
 /// The six faces of a membrane in its mold.
 pub(super) struct Faces {
     /// The vertices at both ends of each axis, low and high.
-    faces: [[Vec<u32>; 2]; 3],
+    ends: [[Vec<u32>; 2]; 3],
     /// The strain rate of walls that nothing stops \[1/s\].
     pub(super) fastest: f64,
     /// The pressure under which they move \[Pa\].
@@ -54,7 +54,7 @@ impl Faces {
         let longest = sides.into_iter().fold(0.0, f64::max);
         let filled = libm::cbrt(grow.initial_volume_fraction / RANDOM_CLOSE_PACKING);
         Self {
-            faces: [0, 1, 2].map(|axis| [face(axis, -1.0), face(axis, 1.0)]),
+            ends: [0, 1, 2].map(|axis| [face(axis, -1.0), face(axis, 1.0)]),
             fastest: 2.0 * spec.mold_speed / longest,
             pressure: PRESSURE * spec.confining_pressure,
             least: filled.max(SMALLEST),
@@ -119,7 +119,7 @@ impl Faces {
     fn net_pressure(&self, membrane: &Membrane) -> f64 {
         let sides = [0, 1, 2].map(|axis| self.side(axis, membrane.mesh()));
         let pressure = |axis: usize| {
-            let [low, high] = self.faces[axis]
+            let [low, high] = self.ends[axis]
                 .each_ref()
                 .map(|face| membrane.reaction(face)[axis]);
             let area = sides[(axis + 1) % 3] * sides[(axis + 2) % 3];
@@ -130,14 +130,14 @@ impl Faces {
 
     /// From one wall to the other along an axis.
     fn side(&self, axis: usize, mesh: &Mesh) -> f64 {
-        let [low, high] = self.faces[axis]
+        let [low, high] = self.ends[axis]
             .each_ref()
             .map(|face| mesh.positions()[face[0] as usize][axis]);
         high - low
     }
 
     fn each(&self) -> impl Iterator<Item = (usize, &Vec<u32>)> {
-        let axes = self.faces.iter().enumerate();
+        let axes = self.ends.iter().enumerate();
         axes.flat_map(|(axis, faces)| faces.iter().map(move |face| (axis, face)))
     }
 }
