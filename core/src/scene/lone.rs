@@ -60,7 +60,8 @@ pub(super) fn step<P: Physics>(scene: &mut Scene<F64x1, P>) -> f64 {
     let grains_act = || dispatch::<F64x8, _>(width, pairs);
     let surroundings_act = || surroundings.act(grains, time_step, width);
     if size_of::<P::Surroundings>() > 0 {
-        both(grains_act, surroundings_act);
+        // The caller takes what is longer: one that waits falls asleep.
+        both(surroundings_act, grains_act);
     } else {
         grains_act();
     }
