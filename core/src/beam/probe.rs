@@ -106,20 +106,15 @@ pub(super) fn critical_time_step<T: Friction>(beam: &Beam<T>, contacts: &[GrainC
     grains.min(casing.membrane.critical_time_step(&holds))
 }
 
-/// Kinetic energy of the grains \[J\].
-pub(super) fn kinetic_energy<T: Friction>(beam: &Beam<T>) -> f64 {
+/// Kinetic and elastic energy of grains and membrane \[J\].
+pub(super) fn energies<T: Friction>(beam: &Beam<T>, contacts: &[GrainContact]) -> [f64; 2] {
     let grains = &beam.grains;
     let moving = |(i, size): (usize, &crate::grains::Size)| {
         let motion = grains.motion(i, 0);
         0.5 * (plain::dot(motion.velocity, motion.velocity) / size.inverse_mass
             + plain::dot(motion.spin, motion.spin) / size.inverse_inertia)
     };
-    grains.sizes().iter().enumerate().map(moving).sum()
-}
-
-/// Kinetic and elastic energy of grains and membrane \[J\].
-pub(super) fn energies<T: Friction>(beam: &Beam<T>, contacts: &[GrainContact]) -> [f64; 2] {
-    let kinetic = kinetic_energy(beam);
+    let kinetic: f64 = grains.sizes().iter().enumerate().map(moving).sum();
     let slope = beam.laws.tangential.slope();
     // ∫ K a p dp = (2/5) f p; f_t²/(2 κ a).
     let stored = |c: &GrainContact| {

@@ -234,9 +234,7 @@ impl Rest {
         let [touching, stored] = run.touch();
         let force = probe::mean_force(&run.contacts).max(touching);
         let net = probe::mean_net_force(&run.beam, before);
-        // A vertex of a wrinkled sheet may flutter between grains for ever; what must come to rest is the packing.
-        let [_, elastic] = probe::energies(&run.beam, &run.contacts);
-        let kinetic = probe::kinetic_energy(&run.beam);
+        let [kinetic, elastic] = probe::energies(&run.beam, &run.contacts);
         let elastic = elastic.max(stored);
         let quiet = rate < criteria.volume_rate
             && (net < criteria.force_ratio * force || run.contacts.is_empty())

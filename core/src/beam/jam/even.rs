@@ -16,7 +16,7 @@ const RANDOM_CLOSE_PACKING: f64 = 0.64;
 /// Nor do they come nearer than by this factor, however few the grains.
 const SMALLEST: f64 = 0.8;
 
-/// The pressure under which walls move, over Δp: grains that bear half of it are within 1 % of their last volume.
+/// The pressure under which walls move, over Δp: the more, the more even is the beam, and the harder the membrane is let go.
 pub(super) const PRESSURE: f64 = 0.3;
 
 /// How long the rate takes to follow the load \[s\], a few times the time of a sound wave across the beam.

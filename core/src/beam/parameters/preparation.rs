@@ -82,7 +82,7 @@ pub(super) const PREPARATION: &[Parameter] = &[
         ("rest_energy_ratio", "E_kin/E_el", ""),
         (Open(0.0), Closed(1.0)),
         1e-6,
-        "Kinetic energy of the grains over the elastic energy, below which a beam is at rest.",
+        "Kinetic over elastic energy, below which a beam is at rest.",
     ),
     Parameter::real(
         HERE,
