@@ -9,6 +9,7 @@
 
 mod foot;
 mod near;
+mod patch;
 mod push;
 mod reach;
 mod sheet;
@@ -24,6 +25,7 @@ use crate::math::plain;
 use crate::membrane::Membrane;
 use crate::wall::press::{Plane, Rod, VertexBall};
 use near::Near;
+use patch::Sphere;
 use push::Pending;
 use reach::Reach;
 use sheet::Sheet;
@@ -50,7 +52,7 @@ pub struct Contact {
     /// p \[m\].
     pub overlap: f64,
     /// The vertices that share the force, and their shares; they sum to one.
-    pub shares: Vec<(u32, f64)>,
+    pub shares: [(u32, f64); 3],
 }
 
 /// What presses on the membrane from outside.
@@ -130,7 +132,7 @@ impl Casing {
         self.held = held;
     }
 
-    /// Where `grains` touch the membrane as both are now.
+    /// Where `grains` and the membrane push each other as both are now: once for every foot.
     #[must_use]
     pub fn touches(&self, grains: &Grains<F64x1>, width: VectorWidth) -> Vec<Contact> {
         let mut casing = self.clone();
@@ -138,22 +140,7 @@ impl Casing {
             casing: &mut casing,
             grains,
         };
-        dispatch::<F64x8, _>(width, look);
-        let Finder {
-            touches, shares, ..
-        } = &casing.finder;
-        let mut from = 0;
-        let contact = |touch: &Touch| {
-            let own = &shares[from..touch.shares_end];
-            from = touch.shares_end;
-            Contact {
-                grain: touch.grain,
-                normal: touch.normal,
-                overlap: touch.overlap,
-                shares: own.iter().map(|s| (s.vertex, s.weight)).collect(),
-            }
-        };
-        touches.iter().map(contact).collect()
+        dispatch::<F64x8, _>(width, look)
     }
 
     /// Lets everything but grains act on the membrane.
@@ -180,23 +167,27 @@ impl Casing {
     /// Finds where every grain touches the membrane.
     #[inline(always)]
     fn find<W: Lane<Row = F64x8, Scalar = f64>>(&mut self, grains: &Grains<F64x1>) {
-        let mesh = self.membrane.mesh();
+        self.reach::<W>(grains);
+        self.finder.clear();
+        for reaches in self.reaches.chunk_by(|a, b| a.pair[0] == b.pair[0]) {
+            let ball = ball(&self.balls, &self.held, reaches[0].pair[0]);
+            let sheet = Sheet {
+                faces: self.membrane.faces(),
+                balls: &self.balls,
+            };
+            self.finder.add(self.membrane.mesh(), sheet, &ball, reaches);
+        }
+    }
+
+    /// Finds which triangles every grain reaches.
+    #[inline(always)]
+    fn reach<W: Lane<Row = F64x8, Scalar = f64>>(&mut self, grains: &Grains<F64x1>) {
         sheet::note(grains, &mut self.balls);
         let sheet = Sheet {
             faces: self.membrane.faces(),
             balls: &self.balls,
         };
         reach::find::<W>(sheet, self.near.pairs(), &mut self.reaches);
-        self.finder.clear();
-        for reaches in self.reaches.chunk_by(|a, b| a.pair[0] == b.pair[0]) {
-            let grain = reaches[0].pair[0];
-            let ball = Ball {
-                grain,
-                radius: self.balls[grain as usize][3],
-                held: &self.held,
-            };
-            self.finder.add(mesh, sheet, &ball, reaches);
-        }
     }
 
     /// Takes the springs of the last step over to the contacts of this one, and notes how these move.
@@ -229,6 +220,7 @@ impl Casing {
         let constants = self.grip.tangential.constants::<W>();
         self.held.clear();
         self.pushes.clear();
+        let stiffness = self.grip.material.normal_stiffness;
         for eight in self.pending.chunks(W::K) {
             let acting = push::forces::<W>(&self.grip.material, &constants, time_step, eight);
             self.held.extend(acting.held(eight));
@@ -244,6 +236,32 @@ impl Casing {
             }
             shares_from = touch.shares_end;
         }
+        let mut pulls_from = 0;
+        for surplus in &self.finder.surpluses {
+            let [x, y, z] = plain::scale(surplus.force, stiffness);
+            let [f_x, f_y, f_z, ..] = &mut self.pushes[surplus.touch].0;
+            (*f_x, *f_y, *f_z) = (*f_x + x, *f_y + y, *f_z + z);
+            for pull in &self.finder.pulls[pulls_from..surplus.pulls_end] {
+                let force = &mut forces[pull.vertex as usize];
+                *force = plain::sub(*force, plain::scale(pull.force, stiffness));
+            }
+            pulls_from = surplus.pulls_end;
+        }
+    }
+}
+
+/// A grain, and the contacts `held` from the last step.
+#[inline(always)]
+fn ball<'a>(balls: &[sheet::Ball], held: &'a [Held], grain: u32) -> Ball<'a> {
+    let [x, y, z, radius] = balls[grain as usize];
+    let sphere = Sphere {
+        center: [x, y, z],
+        radius,
+    };
+    Ball {
+        grain,
+        sphere,
+        held,
     }
 }
 
@@ -317,12 +335,32 @@ struct Look<'a> {
 }
 
 impl Kernel<F64x8> for Look<'_> {
-    type Output = ();
+    type Output = Vec<Contact>;
 
     #[inline(always)]
-    fn run<W: Lane<Row = F64x8, Scalar = f64>>(self) {
-        self.casing.membrane.note::<W>();
-        self.casing.find::<W>(self.grains);
+    fn run<W: Lane<Row = F64x8, Scalar = f64>>(self) -> Vec<Contact> {
+        let casing = self.casing;
+        casing.membrane.note::<W>();
+        casing.reach::<W>(self.grains);
+        let sheet = Sheet {
+            faces: casing.membrane.faces(),
+            balls: &casing.balls,
+        };
+        let mut found = vec![];
+        for reaches in casing.reaches.chunk_by(|a, b| a.pair[0] == b.pair[0]) {
+            let ball = ball(&casing.balls, &casing.held, reaches[0].pair[0]);
+            casing.finder.clear();
+            casing
+                .finder
+                .add(casing.membrane.mesh(), sheet, &ball, reaches);
+            found.extend(casing.finder.pushes().map(|push| Contact {
+                grain: ball.grain,
+                normal: push.normal,
+                overlap: push.overlap,
+                shares: push.shares,
+            }));
+        }
+        found
     }
 }
 

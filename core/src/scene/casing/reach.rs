@@ -13,11 +13,10 @@ pub(super) struct Reach {
     pub(super) pair: Pair,
     /// How far the center is inside of the triangle's plane.
     pub(super) height: f64,
-    /// How much it counts in the mean of a contact over its distance from the center.
-    ///
-    /// Its overlap; but a face counts less and less as its foot leaves it by a side, over the radius √(R p) of the contact:
-    /// in a valley it is gone then, whatever its overlap.
-    pub(super) weight: f64,
+    /// Whether the grain reaches each side, but for its ends.
+    pub(super) sides: [bool; 3],
+    /// Whether it reaches each corner.
+    pub(super) corners: [bool; 3],
 }
 
 impl Reach {
@@ -65,21 +64,17 @@ pub(super) fn find<W: Lane<Row = F64x8, Scalar = f64>>(
         let depth = feet.height.select(on_face, distance);
         let [u, v, w] = feet.foot.weights;
         let numbers = W::transposed([u, v, w, feet.foot.part, normal.x, normal.y, normal.z, depth]);
-        let overlap = feet.radius - depth;
-        let from_side = feet.square_from_side(feet.radius * overlap);
-        let inside = from_side.lt(one);
-        let share = from_side.select(inside, one).sqrt().select(on_face, one);
-        let weight = overlap * inverse * share;
-        let (mut heights, mut weights) = (F64x8::default(), F64x8::default());
+        let mut heights = F64x8::default();
         feet.height.store(&mut heights);
-        weight.store(&mut weights);
+        let [sides, corners] = feet.reached();
         for (e, &pair) in eight.iter().enumerate() {
             if near >> e & 1 == 1 {
                 let mut reach = Reach {
                     numbers: F64x8::default(),
                     pair,
                     height: heights.0[e],
-                    weight: weights.0[e],
+                    sides: sides.map(|lanes| lanes >> e & 1 == 1),
+                    corners: corners.map(|lanes| lanes >> e & 1 == 1),
                 };
                 numbers[e].store(&mut reach.numbers);
                 found.push(reach);

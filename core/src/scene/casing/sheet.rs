@@ -2,7 +2,7 @@
 
 use super::foot::{Foot, foot};
 use crate::grains::Grains;
-use crate::lanes::{F64x8, Lane, Row};
+use crate::lanes::{F64x8, Lane, Mask, Row};
 use crate::math::Vec3;
 use crate::membrane::Face;
 
@@ -47,8 +47,7 @@ impl Sheet<'_> {
         let quarter = |half: usize| W::gather(|e| part(e, half));
         let vector = |[x, y, z, _]: [W; 4]| Vec3 { x, y, z };
         let corners = [vector(quarter(0)), vector(quarter(1)), vector(quarter(2))];
-        let [n_x, n_y, n_z, doubled_area] = quarter(3);
-        let outward = vector([n_x, n_y, n_z, doubled_area]);
+        let outward = vector(quarter(3));
         let center = Vec3 { x, y, z };
         let foot = foot(center, corners);
         let from = center - foot.on(corners);
@@ -58,9 +57,12 @@ impl Sheet<'_> {
             foot,
             from,
             height: (corners[0] - center).dot(outward),
-            corners,
             outward,
-            doubled_area,
+            to_corners: [
+                center - corners[0],
+                center - corners[1],
+                center - corners[2],
+            ],
         }
     }
 }
@@ -78,27 +80,45 @@ pub(super) struct Feet<L> {
     pub(super) height: L,
     /// The triangle's normal.
     pub(super) outward: Vec3<L>,
-    /// Of the triangle.
-    pub(super) doubled_area: L,
-    pub(super) corners: [Vec3<L>; 3],
+    /// From the corners to the grain's center.
+    to_corners: [Vec3<L>; 3],
 }
 
 impl<L: Lane> Feet<L> {
-    /// The square of how far the foot is from the nearest side of its triangle, in units of `length_square`.
-    ///
-    /// A corner with barycentric coordinate u is 2A/ℓ high over its side of length ℓ, and the foot u 2A/ℓ.
+    /// In which lanes the grain reaches each side, but for its ends, and each corner, a bit to a lane.
     #[inline(always)]
-    pub(super) fn square_from_side(&self, length_square: L) -> L {
-        let [a, b, c] = self.corners;
-        let [u, v, w] = self.foot.weights;
-        let square = |side: Vec3<L>| side.dot(side);
-        let (over_a, over_b, over_c) = (square(c - b), square(a - c), square(b - a));
-        let of = |weight: L, others: L| weight * weight * others;
-        // One division for all three: each is (u 2A)² times the squares of both other sides.
-        let least = -(-of(u, over_b * over_c))
-            .max(-of(v, over_c * over_a))
-            .max(-of(w, over_a * over_b));
-        let doubled = self.doubled_area * self.doubled_area;
-        least * doubled / (over_a * over_b * over_c * length_square)
+    pub(super) fn reached(&self) -> [[u32; 3]; 2] {
+        let [a, b, c] = self.to_corners;
+        let square = self.radius * self.radius;
+        let over_a = a.dot(a) - square;
+        let over_b = b.dot(b) - square;
+        let over_c = c.dot(c) - square;
+        let zero = L::constant(0.0);
+        [
+            [
+                reaches_between(a, b, over_a),
+                reaches_between(b, c, over_b),
+                reaches_between(c, a, over_c),
+            ],
+            [
+                over_a.lt(zero).bits(),
+                over_b.lt(zero).bits(),
+                over_c.lt(zero).bits(),
+            ],
+        ]
     }
+}
+
+/// In which lanes the nearest point of a side lies between its corners and is reached, from the ways from the corners to the
+/// center, with |p|² − R².
+///
+/// The square of its distance is |p|² − (p·(p − q))²/|p − q|².
+#[inline(always)]
+fn reaches_between<L: Lane>(p: Vec3<L>, q: Vec3<L>, over: L) -> u32 {
+    let zero = L::constant(0.0);
+    let along = p - q;
+    let (from_p, from_q) = (along.dot(p), -along.dot(q));
+    let reached = (over * (from_p + from_q)).lt(from_p * from_p);
+    let between = zero.lt(from_p).and(zero.lt(from_q));
+    reached.and(between).bits()
 }

@@ -6,11 +6,13 @@ use crate::contact::mindlin::TangentialStiffness;
 use crate::grains::{Motion, Pose, Size, UPRIGHT};
 use crate::lanes::VectorWidth;
 use crate::material::Elastic;
+use crate::math::Vec3;
 use crate::membrane::{Mesh, Sheet as Skin};
 use crate::scene::{Encased, Laws, Scene};
 use crate::shape::Body;
 use crate::wall::Walls;
 use proptest::prelude::*;
+use std::collections::BTreeMap;
 
 /// Edge length of the patches \[m\].
 const EDGE: f64 = 4.7e-3;
@@ -81,7 +83,7 @@ fn find_after(mesh: &Mesh, center: [f64; 3], radius: f64, touched: bool) -> Find
     let held: Vec<Held> = (0..mesh.triangles().len() as u32).map(before).collect();
     let ball = Ball {
         grain: 0,
-        radius,
+        sphere: Sphere { center, radius },
         held: if touched { &held } else { &[] },
     };
     finder.add(mesh, sheet, &ball, &reaches);
@@ -92,12 +94,15 @@ fn find(mesh: &Mesh, center: [f64; 3], radius: f64) -> Finder {
     find_after(mesh, center, radius, true)
 }
 
-/// Σ of the contacts' forces over k_n: p^(3/2) n̂.
+/// Σ of the contacts' forces over k √R: p^(3/2) n̂ and what they have beside it.
 fn pull(finder: &Finder) -> [f64; 3] {
-    finder.touches.iter().fold([0.0; 3], |sum, touch| {
+    let along = finder.touches.iter().map(|touch| {
         let size = touch.overlap * touch.overlap.sqrt();
-        plain::add(sum, plain::scale(touch.normal, size))
-    })
+        plain::scale(touch.normal, size)
+    });
+    let beside = finder.surpluses.iter();
+    let beside = beside.map(|surplus| plain::scale(surplus.force, 1.0 / RADIUS.sqrt()));
+    along.chain(beside).fold([0.0; 3], plain::add)
 }
 
 #[test]
@@ -125,7 +130,6 @@ proptest! {
             let shares = &finder.shares[from..touch.shares_end];
             from = touch.shares_end;
             prop_assert!((shares.iter().map(|s| s.weight).sum::<f64>() - 1.0).abs() < 1e-12);
-            prop_assert!(shares.iter().all(|s| s.weight > -1e-15));
             let mean = shares.iter().fold([0.0; 3], |sum, share| {
                 plain::add(sum, plain::scale(mesh.positions()[share.vertex as usize], share.weight))
             });
@@ -377,4 +381,145 @@ fn fold_beside_a_grain_does_not_push_it_from_outside() {
             assert!(touch.overlap <= RADIUS, "{distance}: {touch:?}");
         }
     }
+}
+
+/// Distance of `point` from the convex hull of one, two or three points, by its definition: from all of them at once.
+fn distance(mesh: &Mesh, corners: &[u32], point: [f64; 3]) -> f64 {
+    let place = |n: usize| {
+        Vec3::<F64x1>::splat(mesh.positions()[corners[n.min(corners.len() - 1)] as usize])
+    };
+    if let [a, b] = corners {
+        let [a, b] = [a, b].map(|end| mesh.positions()[*end as usize]);
+        let (along, to) = (plain::sub(b, a), plain::sub(point, a));
+        let share = (plain::dot(along, to) / plain::dot(along, along)).clamp(0.0, 1.0);
+        return plain::norm(plain::sub(to, plain::scale(along, share)));
+    }
+    if let [a] = corners {
+        return plain::norm(plain::sub(point, mesh.positions()[*a as usize]));
+    }
+    let corners = [place(0), place(1), place(2)];
+    let center = Vec3::<F64x1>::splat(point);
+    let from = center - foot::foot(center, corners).on(corners);
+    from.dot(from).0[0].sqrt()
+}
+
+/// U over k √R of a grain before all of a mesh, by inclusion and exclusion, without asking what it reaches.
+fn energy(mesh: &Mesh, center: [f64; 3]) -> f64 {
+    let of = |corners: &[u32]| {
+        let overlap = (RADIUS - distance(mesh, corners, center)).max(0.0);
+        0.4 * overlap * overlap * overlap.sqrt()
+    };
+    let triangles: f64 = mesh.triangles().iter().map(|corners| of(corners)).sum();
+    let edges = mesh.edges().iter().zip(mesh.edge_triangles());
+    let inner = edges.filter(|(_, both)| !both.contains(&None));
+    let edges: f64 = inner.map(|(ends, _)| of(ends)).sum();
+    // Far from the border, where every vertex counts.
+    let vertices: f64 = (0..mesh.positions().len() as u32).map(|v| of(&[v])).sum();
+    triangles - edges + vertices
+}
+
+/// The forces of a grain's contacts on the vertices over k √R.
+fn pulls(finder: &Finder) -> BTreeMap<u32, [f64; 3]> {
+    let mut forces = BTreeMap::<u32, [f64; 3]>::new();
+    let mut add = |vertex: u32, force: [f64; 3]| {
+        let sum = forces.entry(vertex).or_default();
+        *sum = plain::sub(*sum, force);
+    };
+    let mut from = 0;
+    for touch in &finder.touches {
+        let push = plain::scale(touch.normal, touch.overlap * touch.overlap.sqrt());
+        for share in &finder.shares[from..touch.shares_end] {
+            add(share.vertex, plain::scale(push, share.weight));
+        }
+        from = touch.shares_end;
+    }
+    for pull in &finder.pulls {
+        add(pull.vertex, plain::scale(pull.force, 1.0 / RADIUS.sqrt()));
+    }
+    forces
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(100))]
+
+    /// Forces on grain and vertices are minus the gradient of one energy, however rumpled the sheet is.
+    ///
+    /// Central differences over h = 1e-5 R: the curvature of u is at most (3/2) √p over k √R and jumps where a term comes or
+    /// goes, so they are wrong by at most h (3/2) √R for each of some ten terms: 1.5e-4 R^(3/2).
+    #[test]
+    fn forces_are_the_gradient_of_one_energy(
+        offsets in prop::collection::vec(-1.0..1.0f64, 17 * 17 * 3),
+        rumple in 0.0..0.15f64,
+        place in prop::array::uniform2(-1.0..1.0f64),
+        depth in 0.05..0.5f64,
+    ) {
+        let mut mesh = patch(0.0);
+        let moved = mesh.positions_mut().as_flattened_mut().iter_mut().zip(&offsets);
+        moved.for_each(|(x, offset)| *x += rumple * EDGE * offset);
+        let center = [place[0] * EDGE, place[1] * EDGE, 0.0];
+        // At that depth above the highest point.
+        let height = |z: f64| distance_to_all(&mesh, [center[0], center[1], z]);
+        let mut z = 2.0 * RADIUS;
+        while height(z) > (1.0 - depth) * RADIUS {
+            z -= 0.01 * RADIUS;
+        }
+        let center = [center[0], center[1], z];
+        let finder = find(&mesh, center, RADIUS);
+        let step = 1e-5 * RADIUS;
+        let allowed = 1.5e-4 * RADIUS * RADIUS.sqrt();
+        let force = pull(&finder);
+        for axis in 0..3 {
+            let [mut low, mut high] = [center; 2];
+            (low[axis], high[axis]) = (low[axis] - step, high[axis] + step);
+            let slope = (energy(&mesh, high) - energy(&mesh, low)) / (2.0 * step);
+            prop_assert!((force[axis] + slope).abs() < allowed, "{axis}: {} {slope}", force[axis]);
+        }
+        for (vertex, force) in pulls(&finder) {
+            for (axis, force) in force.into_iter().enumerate() {
+                let mut at = |offset: f64| {
+                    mesh.positions_mut()[vertex as usize][axis] += offset;
+                    let energy = energy(&mesh, center);
+                    mesh.positions_mut()[vertex as usize][axis] -= offset;
+                    energy
+                };
+                let slope = (at(step) - at(-step)) / (2.0 * step);
+                prop_assert!(
+                    (force + slope).abs() < allowed,
+                    "{vertex} {axis}: {} {slope}", force
+                );
+            }
+        }
+    }
+}
+
+/// Distance of `point` from the nearest triangle.
+fn distance_to_all(mesh: &Mesh, point: [f64; 3]) -> f64 {
+    let distances = mesh.triangles().iter().map(|t| distance(mesh, t, point));
+    distances.fold(f64::INFINITY, f64::min)
+}
+
+/// A valley is one contact when it is shallow and two when it is deep, and everything between is between.
+#[test]
+fn valley_is_ever_more_two_contacts_the_deeper_it_is() {
+    let mut before = 1.0;
+    for degrees in 0..=90 {
+        let fold = f64::from(degrees).to_radians();
+        // Above the middle of the valley, 0.1 R deep in both faces.
+        let center = [0.0, 1e-4, 0.9 * RADIUS / libm::cos(0.5 * fold)];
+        let finder = find(&patch(fold), center, RADIUS);
+        let single = 0.1 * RADIUS * (0.1 * RADIUS).sqrt();
+        // Both faces push along the middle by cos(fold/2).
+        let count = pull(&finder)[2] / (single * libm::cos(0.5 * fold));
+        assert!(
+            count > before - 1e-9 && count < 2.0 + 1e-9,
+            "{degrees}: {count}"
+        );
+        assert_eq!(
+            finder.touches.len(),
+            if degrees < 52 { 1 } else { 2 },
+            "{degrees}"
+        );
+        before = count;
+    }
+    assert!((before - 2.0).abs() < 1e-9);
 }

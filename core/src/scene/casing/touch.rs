@@ -1,40 +1,23 @@
-//! Where a grain touches the membrane: one contact for each place, however many triangles it reaches.
+//! Where a grain touches the membrane: one contact for each patch, however many triangles it reaches.
 //!
-//! 1. A foot counts where it is a local minimum of the distance: on a face always, on a side if both triangles of the side
-//!    have their feet there, on a corner if all triangles around it have.
-//! 2. Contacts of neighboring triangles whose normals differ by less than 30° are one: a pressed sheet wraps around a
-//!    grain, and two faces of a shallow valley are one place. The overlap is the deepest; normal and lever are those of the
-//!    overlaps' mean, so that force and torque are continuous as the grain moves from one face to the next.
-//! 3. The sheet has an inside. A grain whose center has crossed it is pushed back, but only if it touched there before:
-//!    a fold of the sheet beyond a neighboring grain shows its outside too, and so does one next to the grain, whose other
-//!    side shows its inside.
+//! Forces are those of the patch's energy ([`super::patch`]), at the feet of its terms. Friction and viscosity act at one point:
+//! the mean of the feet, each by its force, with the normal from there to the grain's center. What forces have beside that
+//! normal is the contact's surplus; it acts as it is.
+//!
+//! The sheet has an inside. A grain whose center has crossed it is pushed back, but only if it touched there before:
+//! a fold of the sheet beyond a neighboring grain shows its outside too, and so does one next to the grain, whose other
+//! side shows its inside.
 
 use super::Held;
 use super::foot::Part;
+use super::patch::{Patch, Place, Sphere, Term};
 use super::reach::Reach;
 use super::sheet::Sheet;
 use crate::math::plain;
 use crate::membrane::Mesh;
 
-/// cos 30°.
-const ALIKE: f64 = 0.866_025_403_784_438_6;
-
-/// A place where the grain at hand reaches the membrane, before places are merged.
-#[derive(Clone, Copy, Debug)]
-struct Place {
-    triangle: u32,
-    /// The edge or the vertex that it is on; none of a face.
-    on: Option<Meeting>,
-    weights: [f64; 3],
-    /// From the membrane into the grain.
-    normal: [f64; 3],
-    /// p.
-    overlap: f64,
-    /// How much it counts in the mean of a group.
-    weight: f64,
-    /// Which merged contact it belongs to.
-    group: usize,
-}
+/// Center to foot over R, below which the center is as good as on the sheet.
+const NO_DEPTH: f64 = 0.05;
 
 /// A corner of a contact's share of the membrane.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -63,7 +46,7 @@ pub(super) struct Touch {
 #[derive(Clone, Copy)]
 pub(super) struct Ball<'a> {
     pub(super) grain: u32,
-    pub(super) radius: f64,
+    pub(super) sphere: Sphere,
     /// All contacts of the last step, by grains.
     pub(super) held: &'a [Held],
 }
@@ -79,17 +62,57 @@ impl Ball<'_> {
     }
 }
 
+/// What the force of a contact at several places is beside that along its normal at its point.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Surplus {
+    /// The number of the contact.
+    pub(super) touch: usize,
+    /// The first of its places.
+    place: usize,
+    /// On the grain, over k.
+    pub(super) force: [f64; 3],
+    /// Where its pulls end.
+    pub(super) pulls_end: usize,
+}
+
+/// A part of the opposite of a surplus.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Pull {
+    pub(super) vertex: u32,
+    /// Over k.
+    pub(super) force: [f64; 3],
+}
+
+/// A foot at which grain and membrane push each other.
+pub(super) struct Push {
+    pub(super) normal: [f64; 3],
+    pub(super) overlap: f64,
+    pub(super) shares: [(u32, f64); 3],
+}
+
+/// What one vertex has of a contact at several places.
+#[derive(Clone, Copy, Debug)]
+struct Corner {
+    vertex: u32,
+    share: f64,
+    pull: [f64; 3],
+}
+
 /// Finds the contacts of one grain after the other; keeps its memory.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Finder {
     /// Of the grain at hand.
-    places: Vec<Place>,
-    /// What each of its feet is on.
-    meetings: Vec<Option<Meeting>>,
+    patch: Patch,
+    /// Of the contact at hand.
+    corners: Vec<Corner>,
     /// All contacts so far.
     pub(super) touches: Vec<Touch>,
     /// Their shares, one contact's after the other's; a contact's sum to one.
     pub(super) shares: Vec<Share>,
+    /// Of contacts at several places, ascending.
+    pub(super) surpluses: Vec<Surplus>,
+    /// The opposite of every surplus.
+    pub(super) pulls: Vec<Pull>,
 }
 
 impl Finder {
@@ -97,6 +120,8 @@ impl Finder {
     pub(super) fn clear(&mut self) {
         self.touches.clear();
         self.shares.clear();
+        self.surpluses.clear();
+        self.pulls.clear();
     }
 
     /// Adds the contacts of `ball`, which reaches the membrane at `reaches`.
@@ -108,218 +133,217 @@ impl Finder {
         ball: &Ball<'_>,
         reaches: &[Reach],
     ) {
+        self.patch.places.clear();
+        self.patch.terms.clear();
         // Where the grain is inside of all planes, it is inside of the sheet.
         if reaches.iter().all(|reach| reach.height > 0.0) {
-            self.add_inside(mesh, ball, reaches);
+            if let [only] = reaches {
+                self.add_one(ball, &place(mesh, ball, only));
+                return;
+            }
+            let places = reaches.iter().map(|reach| place(mesh, ball, reach));
+            self.patch.places.extend(places);
         } else {
-            self.add_sided(mesh, sheet, ball, reaches);
+            let places = reaches
+                .iter()
+                .filter_map(|reach| sided(mesh, sheet, ball, (reaches, reach)));
+            self.patch.places.extend(places);
+            self.drop_outsides(mesh, ball.sphere.radius);
         }
-    }
-
-    /// Adds the contacts of a grain whose center is inside of all planes.
-    #[inline(always)]
-    fn add_inside(&mut self, mesh: &Mesh, ball: &Ball<'_>, reaches: &[Reach]) {
-        self.meetings.clear();
-        let meeting = |reach: &Reach| Meeting::of(mesh, reach.pair[1], reach.part());
-        self.meetings.extend(reaches.iter().map(meeting));
-        let minimal = |k: &usize| is_minimum(mesh, &self.meetings, *k);
-        let mut minima = (0..reaches.len()).filter(minimal);
-        match (minima.next(), minima.next()) {
-            (Some(only), None) => self.add_one(mesh, ball, &reaches[only]),
-            (None, _) => {
-                let depth = |k: &usize| reaches[*k].depth();
-                let deeper = |a, b| if depth(&b) < depth(&a) { b } else { a };
-                // If rounding leaves no minimum, the deepest stays.
-                if let Some(deepest) = (0..reaches.len()).reduce(deeper) {
-                    self.add_one(mesh, ball, &reaches[deepest]);
-                }
-            }
-            (Some(first), Some(second)) => {
-                self.places.clear();
-                let all = [first, second].into_iter().chain(minima);
-                self.places
-                    .extend(all.map(|k| place(ball, &reaches[k], self.meetings[k])));
-                self.group(mesh);
-                self.merge(mesh, ball);
+        self.patch.find(mesh, ball.sphere);
+        if let [only] = self.patch.terms[..]
+            && only.overlap < (1.0 - NO_DEPTH) * ball.sphere.radius
+        {
+            let place = only.alone(&self.patch.places[only.place]);
+            self.add_one(ball, &place);
+            return;
+        }
+        for k in 0..self.patch.places.len() {
+            if self.patch.places[k].contact == k {
+                self.add_contact(ball, k);
             }
         }
     }
 
-    /// Adds a contact at one place, inside of the sheet.
+    /// Where the grain at hand is pushed: in contacts at one place, and at the feet of those at several.
+    pub(super) fn pushes(&self) -> impl Iterator<Item = Push> {
+        let of_one = self.touches.iter().enumerate().filter_map(|(k, touch)| {
+            let several = self.surpluses.iter().any(|surplus| surplus.touch == k);
+            let last = self.shares[..touch.shares_end].last_chunk::<3>();
+            last.filter(|_| !several).map(|shares| Push {
+                normal: touch.normal,
+                overlap: touch.overlap,
+                shares: shares.map(|share| (share.vertex, share.weight)),
+            })
+        });
+        let of_several = |term: &&Term| {
+            let contact = self.patch.places[term.place].contact;
+            term.count > 0.0
+                && self
+                    .surpluses
+                    .iter()
+                    .any(|surplus| surplus.place == contact)
+        };
+        let terms = self.patch.terms.iter().filter(of_several);
+        of_one.chain(terms.map(|term| Push {
+            normal: term.normal,
+            overlap: term.overlap,
+            shares: [0, 1, 2].map(|n| (term.corners[n], term.weights[n])),
+        }))
+    }
+
+    /// Adds a contact at one place.
     #[inline(always)]
-    fn add_one(&mut self, mesh: &Mesh, ball: &Ball<'_>, reach: &Reach) {
-        let triangle = reach.pair[1];
-        self.share(mesh, triangle, reach.weights(), 1.0);
+    fn add_one(&mut self, ball: &Ball<'_>, place: &Place) {
+        let shares = place.corners.into_iter().zip(place.weights);
+        self.shares
+            .extend(shares.map(|(vertex, weight)| Share { vertex, weight }));
         self.touches.push(Touch {
             grain: ball.grain,
-            triangle,
+            triangle: place.triangle,
             shares_end: self.shares.len(),
-            normal: reach.normal(),
-            overlap: ball.radius - reach.depth(),
-            lever: plain::scale(reach.normal(), -reach.depth()),
+            normal: place.normal,
+            overlap: place.overlap,
+            lever: plain::scale(place.normal, place.overlap - ball.sphere.radius),
         });
     }
 
+    /// Adds the contact whose first place is `first`.
     #[inline(always)]
-    fn share(&mut self, mesh: &Mesh, triangle: u32, weights: [f64; 3], share: f64) {
-        let corners = mesh.triangles()[triangle as usize];
-        let shares = corners.into_iter().zip(weights);
-        self.shares.extend(shares.map(|(vertex, weight)| Share {
-            vertex,
-            weight: share * weight,
-        }));
+    fn add_contact(&mut self, ball: &Ball<'_>, first: usize) {
+        let radius = ball.sphere.radius;
+        let places = &self.patch.places[first..];
+        let own = places.iter().filter(|place| place.contact == first);
+        let depth = |place: &Place| (radius - place.overlap).abs();
+        let nearer = |a, b| if depth(b) < depth(a) { b } else { a };
+        let Some(&nearest) = own.reduce(nearer) else {
+            return;
+        };
+        let patch = &self.patch;
+        let of_contact = |term: &&Term| patch.places[term.place].contact == first;
+        let mut terms = patch.terms.iter().filter(of_contact);
+        // Where the center has all but crossed the sheet, there is no way to the feet to go by.
+        if depth(&nearest) < NO_DEPTH * radius {
+            self.add_one(ball, &nearest);
+        } else if let (Some(only), None) = (terms.next(), terms.next()) {
+            let place = only.alone(&nearest);
+            self.add_one(ball, &place);
+        } else {
+            self.add_several(ball, &nearest);
+        }
     }
 
-    /// Adds the contacts of a grain whose center is outside of some plane.
-    fn add_sided(&mut self, mesh: &Mesh, sheet: Sheet<'_>, ball: &Ball<'_>, reaches: &[Reach]) {
-        self.places.clear();
-        self.places.extend(
-            reaches
-                .iter()
-                .filter_map(|reach| sided(mesh, sheet, ball, reach)),
-        );
-        self.drop_outsides(mesh, ball.radius);
-        if self.places.is_empty() {
-            return;
+    /// Adds a contact of several terms, which reaches deepest at `deepest`.
+    fn add_several(&mut self, ball: &Ball<'_>, deepest: &Place) {
+        let first = deepest.contact;
+        let radius = ball.sphere.radius;
+        let (mut total, mut force, mut lever) = (0.0, [0.0; 3], [0.0; 3]);
+        self.corners.clear();
+        for term in &self.patch.terms {
+            if self.patch.places[term.place].contact != first {
+                continue;
+            }
+            let size = term.count * (radius * term.overlap).sqrt() * term.overlap;
+            let part = plain::scale(term.normal, size);
+            total += size;
+            force = plain::add(force, part);
+            lever = plain::sub(lever, plain::scale(part, radius - term.overlap));
+            for (&vertex, &weight) in term.corners.iter().zip(&term.weights) {
+                let (share, pull) = (weight * size, plain::scale(part, weight));
+                match self.corners.iter_mut().find(|c| c.vertex == vertex) {
+                    Some(corner) => {
+                        corner.share += share;
+                        corner.pull = plain::add(corner.pull, pull);
+                    }
+                    None => self.corners.push(Corner {
+                        vertex,
+                        share,
+                        pull,
+                    }),
+                }
+            }
         }
-        self.keep_minima(mesh);
-        self.group(mesh);
-        self.merge(mesh, ball);
+        let length = plain::norm(lever);
+        let normal = if length > NO_DEPTH * radius * total.abs() {
+            self.corners.iter_mut().for_each(|c| c.share /= total);
+            lever = plain::scale(lever, 1.0 / total);
+            plain::scale(lever, -1.0 / plain::norm(lever))
+        } else {
+            // Terms cancel, and leave no point to speak of.
+            for corner in &mut self.corners {
+                let is = |(vertex, _): &(u32, f64)| *vertex == corner.vertex;
+                let weights = deepest.corners.into_iter().zip(deepest.weights);
+                corner.share = weights.filter(is).map(|(_, weight)| weight).sum();
+            }
+            lever = plain::scale(deepest.normal, deepest.overlap - radius);
+            deepest.normal
+        };
+        let along = plain::dot(force, normal).max(0.0);
+        for corner in &self.corners {
+            let (vertex, weight) = (corner.vertex, corner.share);
+            self.shares.push(Share { vertex, weight });
+            let at_point = plain::scale(normal, along * weight);
+            let force = plain::sub(corner.pull, at_point);
+            self.pulls.push(Pull { vertex, force });
+        }
+        let touch = self.touches.len();
+        self.touches.push(Touch {
+            grain: ball.grain,
+            triangle: deepest.triangle,
+            shares_end: self.shares.len(),
+            normal,
+            // That of one place with this force, k √(R p) p.
+            overlap: libm::cbrt(along * along / radius),
+            lever,
+        });
+        self.surpluses.push(Surplus {
+            touch,
+            place: first,
+            force: plain::sub(force, plain::scale(normal, along)),
+            pulls_end: self.pulls.len(),
+        });
     }
 
     /// Drops every triangle that shows its outside while a neighbor of it shows its inside: the sheet is folded there.
     fn drop_outsides(&mut self, mesh: &Mesh, radius: f64) {
-        let insides: Vec<u32> = self
-            .places
+        let places = &mut self.patch.places;
+        let insides: Vec<u32> = places
             .iter()
             .filter(|place| place.overlap <= radius)
             .map(|place| place.triangle)
             .collect();
         let folded = |t: u32| insides.iter().any(|&other| mesh.are_neighbors(t, other));
-        self.places
-            .retain(|place| place.overlap <= radius || !folded(place.triangle));
+        places.retain(|place| place.overlap <= radius || !folded(place.triangle));
     }
-
-    /// Drops every foot that is no local minimum; if rounding leaves none, the deepest stays.
-    fn keep_minima(&mut self, mesh: &Mesh) {
-        let deeper = |a: Place, b: &Place| if b.overlap > a.overlap { *b } else { a };
-        let deepest = self.places.iter().fold(self.places[0], deeper);
-        self.meetings.clear();
-        self.meetings
-            .extend(self.places.iter().map(|place| place.on));
-        let mut next = 0..;
-        self.places.retain(|_| {
-            let k = next.next().unwrap_or_default();
-            is_minimum(mesh, &self.meetings, k)
-        });
-        if self.places.is_empty() {
-            self.places.push(deepest);
-        }
-    }
-
-    /// Gives neighbors of like normals one group.
-    fn group(&mut self, mesh: &Mesh) {
-        for k in 0..self.places.len() {
-            self.places[k].group = k;
-            for other in 0..k {
-                let (a, b) = (self.places[k], self.places[other]);
-                if a.group != b.group
-                    && plain::dot(a.normal, b.normal) > ALIKE
-                    && mesh.are_neighbors(a.triangle, b.triangle)
-                {
-                    let (from, to) = (a.group.max(b.group), a.group.min(b.group));
-                    for place in &mut self.places[..=k] {
-                        if place.group == from {
-                            place.group = to;
-                        }
-                    }
-                }
-            }
-        }
-    }
-
-    fn merge(&mut self, mesh: &Mesh, ball: &Ball<'_>) {
-        let places = std::mem::take(&mut self.places);
-        for (group, first) in places.iter().enumerate() {
-            if first.group != group {
-                continue;
-            }
-            let members = || {
-                places[group..]
-                    .iter()
-                    .filter(move |place| place.group == group)
-            };
-            let (mut deepest, mut total) = (first, 0.0);
-            for place in members() {
-                total += place.weight;
-                if place.overlap > deepest.overlap {
-                    deepest = place;
-                }
-            }
-            // Where the center has all but crossed the sheet, the mean's levers have no length to be weighed by.
-            let mean = ball.radius - deepest.overlap > 0.05 * ball.radius && total > 0.0;
-            let mut lever = [0.0; 3];
-            for place in members() {
-                let share = if mean {
-                    place.weight / total
-                } else {
-                    f64::from(u8::from(place.triangle == deepest.triangle))
-                };
-                let depth = ball.radius - place.overlap;
-                lever = plain::sub(lever, plain::scale(place.normal, share * depth));
-                self.share(mesh, place.triangle, place.weights, share);
-            }
-            let normal = if mean {
-                plain::scale(lever, -1.0 / plain::norm(lever))
-            } else {
-                deepest.normal
-            };
-            self.touches.push(Touch {
-                grain: ball.grain,
-                triangle: deepest.triangle,
-                shares_end: self.shares.len(),
-                normal,
-                overlap: deepest.overlap,
-                lever,
-            });
-        }
-        self.places = places;
-    }
-}
-
-/// Whether foot `k` of a grain is a local minimum of the distance, by what each of its feet is on.
-///
-/// Feet that are on one edge or vertex are one: the first.
-#[inline(always)]
-fn is_minimum(mesh: &Mesh, on: &[Option<Meeting>], k: usize) -> bool {
-    let Some(meeting) = on[k] else {
-        return true;
-    };
-    let there = |other: &&Option<Meeting>| **other == Some(meeting);
-    let found = on[k..].iter().filter(there).count();
-    // Nowhere on a closed mesh does a triangle meet none.
-    (found > 1 || !mesh.is_closed())
-        && found == meeting.triangles(mesh)
-        && !on[..k].iter().any(|other| there(&other))
 }
 
 /// A reach as a place.
-fn place(ball: &Ball<'_>, reach: &Reach, on: Option<Meeting>) -> Place {
+#[inline(always)]
+fn place(mesh: &Mesh, ball: &Ball<'_>, reach: &Reach) -> Place {
+    let triangle = reach.pair[1];
     Place {
-        triangle: reach.pair[1],
-        on,
+        triangle,
+        corners: mesh.triangles()[triangle as usize],
+        part: reach.part(),
         weights: reach.weights(),
         normal: reach.normal(),
-        overlap: ball.radius - reach.depth(),
-        weight: reach.weight,
-        group: 0,
+        overlap: ball.sphere.radius - reach.depth(),
+        reached_sides: reach.sides,
+        reached_corners: reach.corners,
+        contact: 0,
     }
 }
 
-/// A reach seen from the side of the sheet that the center is on; none if that is the outside, and it did not touch before.
-fn sided(mesh: &Mesh, sheet: Sheet<'_>, ball: &Ball<'_>, reach: &Reach) -> Option<Place> {
+/// A reach seen from the side of the sheet that the center is on; none if that is the outside, unless the grain touched there
+/// before and the foot is a local minimum of the distance.
+fn sided(
+    mesh: &Mesh,
+    sheet: Sheet<'_>,
+    ball: &Ball<'_>,
+    (all, reach): (&[Reach], &Reach),
+) -> Option<Place> {
     let (triangle, part) = (reach.pair[1], reach.part());
-    let mut place = place(ball, reach, Meeting::of(mesh, triangle, part));
+    let mut place = place(mesh, ball, reach);
     if part != Part::Face {
         let mean = mean_outward(mesh, sheet, triangle, part);
         if reach.depth() == 0.0 {
@@ -327,39 +351,34 @@ fn sided(mesh: &Mesh, sheet: Sheet<'_>, ball: &Ball<'_>, reach: &Reach) -> Optio
         } else if plain::dot(place.normal, mean) > 0.0 {
             // Inside, the way to the center leads against the outward normals around the foot.
             place.normal = plain::scale(place.normal, -1.0);
-            place.overlap = ball.radius + reach.depth();
+            place.overlap = ball.sphere.radius + reach.depth();
         }
     }
-    (place.overlap <= ball.radius || ball.touched(mesh, triangle)).then_some(place)
+    let inside = place.overlap <= ball.sphere.radius;
+    (inside || ball.touched(mesh, triangle) && is_minimum(mesh, all, triangle, part))
+        .then_some(place)
 }
 
-/// An edge or a vertex of the mesh.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Meeting {
-    Edge(u32),
-    Vertex(u32),
-}
-
-impl Meeting {
-    /// Where `part` of triangle `t` lies.
-    fn of(mesh: &Mesh, t: u32, part: Part) -> Option<Self> {
-        match part {
-            Part::Face => None,
-            Part::Side(s) => Some(Self::Edge(mesh.sides(t)[s])),
-            Part::Corner(c) => Some(Self::Vertex(mesh.triangles()[t as usize][c])),
-        }
-    }
-
-    /// How many triangles meet there.
-    fn triangles(self, mesh: &Mesh) -> usize {
-        match self {
-            Self::Edge(edge) => mesh.edge_triangles()[edge as usize]
-                .iter()
-                .flatten()
-                .count(),
-            Self::Vertex(vertex) => mesh.fan(vertex).len(),
-        }
-    }
+/// Whether all triangles that meet where the foot of triangle `t` is have their feet there.
+fn is_minimum(mesh: &Mesh, all: &[Reach], t: u32, part: Part) -> bool {
+    let corners = mesh.triangles()[t as usize];
+    let ends = match part {
+        Part::Face => return true,
+        Part::Side(s) => [corners[s], corners[(s + 1) % 3]],
+        Part::Corner(c) => [corners[c]; 2],
+    };
+    let has_foot_there = |other: u32| {
+        let own = mesh.triangles()[other as usize];
+        let reach = all.iter().find(|reach| reach.pair[1] == other);
+        reach.is_some_and(|reach| match (part, reach.part()) {
+            (Part::Side(_), Part::Side(s)) => [own[(s + 1) % 3], own[s]] == ends || other == t,
+            (Part::Corner(_), Part::Corner(c)) => own[c] == ends[0],
+            _ => false,
+        })
+    };
+    let around = mesh.fan(ends[0]).iter().copied();
+    let meeting = { around }.filter(|other| mesh.triangles()[*other as usize].contains(&ends[1]));
+    { meeting }.all(has_foot_there)
 }
 
 /// The sum of the outward normals of the triangles that meet at a side or corner.
