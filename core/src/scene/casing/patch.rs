@@ -18,6 +18,7 @@
 //! A foot in the inside of a side or corner counts for the side itself and for all triangles that have their foot there.
 
 use super::foot::Part;
+use super::reach::Bounds;
 use crate::math::plain;
 use crate::membrane::Mesh;
 
@@ -33,10 +34,8 @@ pub(super) struct Place {
     pub(super) normal: [f64; 3],
     /// p.
     pub(super) overlap: f64,
-    /// Whether the grain reaches each side, but for its ends.
-    pub(super) reached_sides: [bool; 3],
-    /// Whether the grain reaches each corner.
-    pub(super) reached_corners: [bool; 3],
+    /// Which sides, but for their ends, and which corners the grain reaches.
+    pub(super) bounds: Bounds,
     /// The first place of its contact.
     pub(super) contact: usize,
 }
@@ -117,7 +116,7 @@ impl Patch {
         let mut corners = false;
         for k in 0..self.places.len() {
             self.places[k].contact = k;
-            corners |= self.places[k].reached_corners != [false; 3];
+            corners |= self.places[k].bounds.any_corner();
             self.find_between(k);
         }
         for k in 0..self.places.len() {
@@ -185,7 +184,7 @@ impl Patch {
     #[inline(always)]
     fn add_side(&mut self, mesh: &Mesh, sphere: Sphere, side: Between) {
         let [k, earlier] = side.places;
-        if !self.places[k].reached_sides[side.sides[0]] {
+        if !self.places[k].bounds.side(side.sides[0]) {
             return;
         }
         self.join(k, earlier);
@@ -216,7 +215,7 @@ impl Patch {
             for c in 0..3 {
                 let vertex = self.places[k].corners[c];
                 let known = |place: &Place| place.corners.contains(&vertex);
-                if self.places[k].reached_corners[c] && !self.places[..k].iter().any(known) {
+                if self.places[k].bounds.corner(c) && !self.places[..k].iter().any(known) {
                     self.add_vertex(mesh, sphere, (k, vertex));
                 }
             }
@@ -236,7 +235,7 @@ impl Patch {
         }
         for side in &self.between {
             if side.ends.contains(&vertex) {
-                let inside = self.places[side.places[0]].reached_sides[side.sides[0]];
+                let inside = self.places[side.places[0]].bounds.side(side.sides[0]);
                 let [a, b] = side.ends.map(|end| plain::dot(way(end), way(end)));
                 let nearer = side.ends[usize::from(b < a)];
                 let foot_here = !inside && nearer == vertex;

@@ -4,6 +4,43 @@ use super::foot::Part;
 use super::sheet::{Pair, Sheet};
 use crate::lanes::{F64x8, Lane, Mask};
 
+/// Sides and corners of a triangle, a bit to each: sides 0, 1, 2, then corners 0, 1, 2.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Bounds(u8);
+
+impl Bounds {
+    /// What is set in lane `e` of each side and each corner.
+    #[inline(always)]
+    fn of_lane(lanes: [u32; 6], e: usize) -> Self {
+        let mut bits = 0;
+        for (n, lanes) in lanes.into_iter().enumerate() {
+            bits |= (lanes >> e & 1) << n;
+        }
+        Self(bits as u8)
+    }
+
+    #[inline(always)]
+    pub(super) fn side(self, s: usize) -> bool {
+        self.0 >> s & 1 == 1
+    }
+
+    #[inline(always)]
+    pub(super) fn corner(self, c: usize) -> bool {
+        self.0 >> (3 + c) & 1 == 1
+    }
+
+    #[inline(always)]
+    pub(super) fn any_corner(self) -> bool {
+        self.0 > 0b111
+    }
+
+    /// How many they are.
+    #[inline(always)]
+    fn count(self) -> usize {
+        self.0.count_ones() as usize
+    }
+}
+
 /// A place where a grain reaches a triangle.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Reach {
@@ -13,15 +50,31 @@ pub(super) struct Reach {
     pub(super) pair: Pair,
     /// How far the center is inside of the triangle's plane.
     pub(super) height: f64,
-    /// Whether the grain reaches each side, but for its ends.
-    pub(super) sides: [bool; 3],
-    /// Whether it reaches each corner.
-    pub(super) corners: [bool; 3],
+    /// Which sides, but for their ends, and which corners the grain reaches.
+    pub(super) bounds: Bounds,
 }
 
 impl Reach {
     pub(super) fn part(&self) -> Part {
         Part::of(self.numbers.0[3])
+    }
+
+    /// The one triangle that counts among `reaches`, all from inside: the others have their feet on its sides, and the grain
+    /// reaches no other side and no corner.
+    #[inline(always)]
+    pub(super) fn only(reaches: &[Self]) -> Option<&Self> {
+        let mut face = None;
+        for reach in reaches {
+            match reach.part() {
+                Part::Face if face.is_none() => face = Some(reach),
+                // One side and no corner: that of the foot.
+                Part::Side(_) if reach.bounds.count() == 1 && !reach.bounds.any_corner() => {}
+                _ => return None,
+            }
+        }
+        let beside =
+            |face: &&Self| !face.bounds.any_corner() && face.bounds.count() + 1 == reaches.len();
+        face.filter(beside)
     }
 
     pub(super) fn weights(&self) -> [f64; 3] {
@@ -66,15 +119,14 @@ pub(super) fn find<W: Lane<Row = F64x8, Scalar = f64>>(
         let numbers = W::transposed([u, v, w, feet.foot.part, normal.x, normal.y, normal.z, depth]);
         let mut heights = F64x8::default();
         feet.height.store(&mut heights);
-        let [sides, corners] = feet.reached();
+        let bounds = feet.reached();
         for (e, &pair) in eight.iter().enumerate() {
             if near >> e & 1 == 1 {
                 let mut reach = Reach {
                     numbers: F64x8::default(),
                     pair,
                     height: heights.0[e],
-                    sides: sides.map(|lanes| lanes >> e & 1 == 1),
-                    corners: corners.map(|lanes| lanes >> e & 1 == 1),
+                    bounds: Bounds::of_lane(bounds, e),
                 };
                 numbers[e].store(&mut reach.numbers);
                 found.push(reach);

@@ -87,7 +87,7 @@ pub(super) struct Feet<L> {
 impl<L: Lane> Feet<L> {
     /// In which lanes the grain reaches each side, but for its ends, and each corner, a bit to a lane.
     #[inline(always)]
-    pub(super) fn reached(&self) -> [[u32; 3]; 2] {
+    pub(super) fn reached(&self) -> [u32; 6] {
         let [a, b, c] = self.to_corners;
         let square = self.radius * self.radius;
         let over_a = a.dot(a) - square;
@@ -95,16 +95,12 @@ impl<L: Lane> Feet<L> {
         let over_c = c.dot(c) - square;
         let zero = L::constant(0.0);
         [
-            [
-                reaches_between(a, b, over_a),
-                reaches_between(b, c, over_b),
-                reaches_between(c, a, over_c),
-            ],
-            [
-                over_a.lt(zero).bits(),
-                over_b.lt(zero).bits(),
-                over_c.lt(zero).bits(),
-            ],
+            reaches_between(a, b, over_a),
+            reaches_between(b, c, over_b),
+            reaches_between(c, a, over_c),
+            over_a.lt(zero).bits(),
+            over_b.lt(zero).bits(),
+            over_c.lt(zero).bits(),
         ]
     }
 }

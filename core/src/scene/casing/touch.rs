@@ -137,7 +137,9 @@ impl Finder {
         self.patch.terms.clear();
         // Where the grain is inside of all planes, it is inside of the sheet.
         if reaches.iter().all(|reach| reach.height > 0.0) {
-            if let [only] = reaches {
+            if let Some(only) = Reach::only(reaches)
+                && only.depth() > NO_DEPTH * ball.sphere.radius
+            {
                 self.add_one(ball, &place(mesh, ball, only));
                 return;
             }
@@ -328,8 +330,7 @@ fn place(mesh: &Mesh, ball: &Ball<'_>, reach: &Reach) -> Place {
         weights: reach.weights(),
         normal: reach.normal(),
         overlap: ball.sphere.radius - reach.depth(),
-        reached_sides: reach.sides,
-        reached_corners: reach.corners,
+        bounds: reach.bounds,
         contact: 0,
     }
 }
