@@ -14,7 +14,7 @@ mod snapshots;
 use serde::{Deserialize, Serialize};
 
 use super::interior::Interior;
-use super::jam::{mold, not_at_rest, velocities};
+use super::jam::{CALMER, mold, not_at_rest, velocities};
 use super::rig::{Friction, Rig};
 use super::run::{Course, Rest, Run, stopped};
 use super::spec::{BendSpec, JamSpec, MembraneRest, Support};
@@ -264,7 +264,7 @@ impl Bench<'_> {
                 return Ok(self.mount(run));
             }
             if run.time > self.spec.release_time + self.spec.rest.longest {
-                return Err(not_at_rest(run, self.spec.rest.longest));
+                return Err(not_at_rest(run, self.spec.rest.longest, CALMER));
             }
         }
     }

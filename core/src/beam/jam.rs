@@ -165,19 +165,26 @@ fn compacted<T: Friction>(
             break;
         }
         if run.time > spec.pressure_ramp + spec.rest.longest {
-            return Err(not_at_rest(&run, spec.rest.longest));
+            let remedy = match phase {
+                Phase::Even(_) => "use a larger mold_speed: the walls have not met the grains yet",
+                Phase::Rising(_) => CALMER,
+            };
+            return Err(not_at_rest(&run, spec.rest.longest, remedy));
         }
     }
     let overgrown = pressed_by_growth::<T>(spec, &rig, &state)?;
     Ok(outcome(spec, (&state.header, overgrown), &run))
 }
 
+/// What to do about a beam that stays in motion.
+pub(super) const CALMER: &str = "use background_damping, or a larger longest_rest";
+
 /// A run that does not come to rest.
-pub(super) fn not_at_rest<T: Friction>(run: &Run<T>, longest: f64) -> StageFailure {
+pub(super) fn not_at_rest<T: Friction>(run: &Run<T>, longest: f64, remedy: &str) -> StageFailure {
     let stop = Stop {
         kind: "not_at_rest",
         detail: format!("the beam has not come to rest within {longest} s"),
-        remedy: "use background_damping, or a larger longest_rest".to_owned(),
+        remedy: remedy.to_owned(),
     };
     stopped(run.step, stop)
 }

@@ -6,6 +6,7 @@ use super::curve::Dimensions;
 use super::point::{BeamPoint, PROTOCOL_B_FRICTION};
 use super::prediction::{grains, rod_travel, vertices};
 use super::stiffness::ELASTIC_STRAIN;
+use crate::membrane::Cuboid;
 use crate::parameter::Rule;
 
 /// The most grains, and the most vertices of a membrane.
@@ -173,8 +174,23 @@ fn mesh(point: &Map<String, Value>) -> Option<String> {
         ));
     }
     let count = vertices(&mold, edge);
-    (count > MOST_BODIES)
-        .then(|| format!("the membrane would have {count:.1e} vertices: at most {MOST_BODIES:.0e}"))
+    if count > MOST_BODIES {
+        return Some(format!(
+            "the membrane would have {count:.1e} vertices: at most {MOST_BODIES:.0e}"
+        ));
+    }
+    let cuboid = Cuboid {
+        length: mold.length,
+        height: mold.height,
+        depth: mold.depth,
+        edge_length: edge,
+    };
+    let known = side.is_finite() && edge.is_finite();
+    cuboid
+        .check()
+        .err()
+        .filter(|_| known)
+        .map(|error| error.to_string())
 }
 
 fn rods(point: &Map<String, Value>) -> Option<String> {
@@ -334,6 +350,8 @@ mod tests {
             ),
             (json!({"radius_max": 0.016}), "radius_max"),
             (json!({"membrane_edge": 0.016}), "membrane_edge"),
+            // Two and a half rows across the height.
+            (json!({"membrane_edge": 0.0138}), "membrane_edge"),
             (json!({"rod_radius": 0.051}), "rod_radius"),
             (json!({"cycles": 1, "cycle_strain": 0.09}), "cycle_strain"),
             (json!({"overlap_warning": 0.9}), "overlap_warning"),
@@ -356,6 +374,7 @@ mod tests {
             json!({"confining_pressure": -1.0, "allow_inflation": true}),
             json!({"initial_volume_fraction": 0.0, "growth_factor": 1.0}),
             json!({"cycle_strain": 0.09}),
+            json!({"membrane_edge": 8e-3}),
             json!({"structure": true, "snapshots": true}),
             json!({"cycles": 1000, "snapshot_travel": 4e-6}),
         ] {

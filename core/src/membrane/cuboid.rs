@@ -53,7 +53,7 @@ pub enum CuboidError {
     },
     /// The sides are no multiples of anything near the edge length.
     #[error(
-        "edges of {edge_length} m do not fit {length} m × {height} m × {depth} m: the nearest lattice is off by {deviation} of \
+        "edges of {edge_length} m do not fit {length} m × {height} m × {depth} m: the nearest lattice is off by {deviation:.2} of \
          an edge, more than {EDGE_TOLERANCE}; sides of four edges and more in height and depth and 20 in length always fit"
     )]
     Unfit {
@@ -88,7 +88,12 @@ impl Cuboid {
         Ok(Mesh::new(grid.positions(), grid.triangles())?)
     }
 
-    fn check(&self) -> Result<(), CuboidError> {
+    /// That there is a mesh, without making it.
+    pub fn check(&self) -> Result<(), CuboidError> {
+        Grid::of(self).map(|_| ())
+    }
+
+    fn check_fields(&self) -> Result<(), CuboidError> {
         let fields = [
             ("length", self.length),
             ("height", self.height),
@@ -121,7 +126,7 @@ impl Grid {
     fn of(cuboid: &Cuboid) -> Result<Self, CuboidError> {
         // Edges along x stay this near to a, so that rounding their number leaves them within the tolerance.
         const NEAR: f64 = 0.07;
-        cuboid.check()?;
+        cuboid.check_fields()?;
         let (a, row) = (cuboid.edge_length, 0.75f64.sqrt() * cuboid.edge_length);
         let count = |side: f64, step: f64| (side / step).round().max(1.0);
         let [across_depth, across_height] = [cuboid.depth, cuboid.height].map(|x| count(x, row));
