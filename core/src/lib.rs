@@ -52,4 +52,4 @@ pub mod model;
 /// The version of the physics: raised whenever the bits of any outcome change.
 ///
 /// It enters every [`identity::StageId`], so outcomes of another version are never taken for this one's.
-pub const PHYSICS_VERSION: u32 = 5;
+pub const PHYSICS_VERSION: u32 = 6;

@@ -226,3 +226,17 @@ fn membrane_with_nothing_in_it_collapses_under_pressure() {
     };
     assert_eq!(kind, "membrane_collapse");
 }
+
+#[test]
+fn mold_that_does_not_close_in_time_is_named() {
+    let specs = stages(&tiny(&json!({"mold_speed": 1e-4, "longest_rest": 0.02})));
+    let grow = run(&specs[0], &[]);
+    let input = (grow.artifacts[STATE].as_slice(), None);
+    let Err(StageFailure::Stopped { kind, remedy, .. }) =
+        finish(&specs[1], input, VectorWidth::widest())
+    else {
+        panic!("it closed");
+    };
+    assert_eq!(kind, "not_at_rest");
+    assert!(remedy.contains("mold_speed"), "{remedy}");
+}

@@ -397,3 +397,6 @@ impl Bench<'_> {
         mean(mesh, high, axis) - mean(mesh, low, axis)
     }
 }
+
+#[cfg(test)]
+mod tests;

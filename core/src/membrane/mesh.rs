@@ -155,8 +155,14 @@ impl Mesh {
     /// Whether two triangles are one, or share a corner.
     #[must_use]
     pub fn are_neighbors(&self, a: u32, b: u32) -> bool {
+        self.common_corners(a, b) > 0
+    }
+
+    /// How many corners two triangles share.
+    #[must_use]
+    pub fn common_corners(&self, a: u32, b: u32) -> usize {
         let (a, b) = (self.triangles[a as usize], self.triangles[b as usize]);
-        a.iter().any(|vertex| b.contains(vertex))
+        a.iter().filter(|vertex| b.contains(vertex)).count()
     }
 
     /// χ = vertices − edges + triangles: 2 for a sphere, 1 for a disk, 0 for a tube.

@@ -263,3 +263,35 @@ fn sheets_without_meaning_are_refused_by_name() {
         "bending.stiffness"
     );
 }
+
+/// B2: the tube around the beam, bent as a solid would bend it: a share E t (6/h + 2/d) of E_b.
+///
+/// Pure bending by a curvature κ strains along x by κ z and across by −ν κ z, everywhere. The ends are strained across as well,
+/// (1 + ν)/(1 − ν²) ν² 2/L of what the sides store along, at most 1 %; edges that are not quite equilateral add another.
+#[test]
+fn tube_is_a_beam_of_its_faces() {
+    let (length, height, depth) = (0.4, 0.04, 0.08);
+    let cuboid = Cuboid {
+        length,
+        height,
+        depth,
+        edge_length: EDGE,
+    };
+    let mut membrane = Membrane::new(cuboid.mesh().expect("a cuboid"), &SHEET).unwrap();
+    let (curvature, poisson) = (1e-3, POISSON_RATIO);
+    for place in membrane.positions_mut() {
+        let [x, y, z] = *place;
+        let drop = 0.5 * curvature * (x * x + poisson * (z * z - y * y));
+        *place = [
+            x + curvature * x * z,
+            y - poisson * curvature * y * z,
+            z - drop,
+        ];
+    }
+    let moment_of_area = depth * height * height * height / 12.0;
+    let stored = membrane.elastic_energy();
+    let share = 2.0 * stored / (curvature * curvature * length * moment_of_area);
+    let expected = MODULUS * (6.0 / height + 2.0 / depth);
+    println!("B2: {share:.4e} Pa, should be {expected:.4e} Pa");
+    assert!((share / expected - 1.0).abs() < 0.02, "{share}");
+}

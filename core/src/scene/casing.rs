@@ -8,6 +8,7 @@
 //! What it adds to vertices and grains is added one by one, in order, so that sums do not depend on the vector width.
 
 mod foot;
+mod heirs;
 mod near;
 mod patch;
 mod push;
@@ -24,6 +25,7 @@ use crate::material::Material;
 use crate::math::plain;
 use crate::membrane::Membrane;
 use crate::wall::press::{Plane, Rod, VertexBall};
+use heirs::Heirs;
 use near::Near;
 use patch::Sphere;
 use push::Pending;
@@ -104,6 +106,7 @@ pub struct Casing {
     balls: Vec<sheet::Ball>,
     reaches: Vec<Reach>,
     finder: Finder,
+    heirs: Heirs,
     pending: Vec<Pending>,
     /// Force and torque of every contact on its grain.
     pushes: Vec<F64x8>,
@@ -199,9 +202,8 @@ impl Casing {
         let mut shares_from = 0;
         for touches in self.finder.touches.chunk_by(|a, b| a.grain == b.grain) {
             let of_grain = held_of(&mut held, touches[0].grain);
-            let mut taken = 0u64;
-            for (k, touch) in touches.iter().enumerate() {
-                let spring = carried_over(&self.membrane, of_grain, (touches, k), &mut taken);
+            self.heirs.find(self.membrane.mesh(), of_grain, touches);
+            for (touch, &spring) in touches.iter().zip(&self.heirs.springs) {
                 let own = shares
                     .split_off(..touch.shares_end - shares_from)
                     .unwrap_or_default();
@@ -277,36 +279,6 @@ fn held_of<'a>(held: &mut &'a [Held], grain: u32) -> &'a [Held] {
     let (own, after) = from.split_at(own);
     *held = after;
     own
-}
-
-/// The spring of the old contact that became touch `k` of a grain: one at its triangle, or else at a neighbor of it.
-#[inline(always)]
-fn carried_over(
-    membrane: &Membrane,
-    held: &[Held],
-    (touches, k): (&[Touch], usize),
-    taken: &mut u64,
-) -> [f64; 3] {
-    let triangle = touches[k].triangle;
-    let free = |n: &usize| *taken >> (n % 64) & 1 == 0;
-    let exact = (0..held.len()).find(|n| free(n) && held[*n].triangle == triangle);
-    let belongs_elsewhere = |n: &usize| {
-        let mut others = touches.iter().enumerate();
-        others.any(|(other, touch)| other != k && touch.triangle == held[*n].triangle)
-    };
-    let mesh = membrane.mesh();
-    let beside = || {
-        (0..held.len()).find(|n| {
-            free(n) && !belongs_elsewhere(n) && mesh.are_neighbors(held[*n].triangle, triangle)
-        })
-    };
-    match exact.or_else(beside) {
-        Some(n) => {
-            *taken |= 1 << (n % 64);
-            held[n].spring
-        }
-        None => [0.0; 3],
-    }
 }
 
 /// A step of a casing up to what it does to grains.
