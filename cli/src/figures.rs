@@ -8,6 +8,7 @@ mod tables;
 
 mod beams;
 mod curves;
+mod grains;
 mod inside;
 
 use std::path::{Path, PathBuf};
@@ -86,11 +87,6 @@ pub(crate) async fn run(args: Args) -> anyhow::Result<Done> {
         output::bytes(figure.spec(&args.preset, args.packings).as_bytes())?;
         return Ok(Done::Complete);
     }
-    if let Shown::NotYet(lack) = figure.shown {
-        anyhow::bail!(
-            "{name} is not drawn yet: {lack}\n  its sweep: granary figures {name} --spec"
-        );
-    }
     draw(&args, figure).await
 }
 
@@ -116,7 +112,6 @@ async fn list(args: &Args) -> anyhow::Result<Done> {
             match figure.shown {
                 Shown::Picture(_) => "SVG, CSV",
                 Shown::Table => "CSV",
-                Shown::NotYet(_) => "not yet",
             }
             .to_owned(),
             figure.shows.to_owned(),
@@ -206,7 +201,6 @@ async fn write(
             output::bytes(tables::fits(&data).render().as_bytes())?;
             vec![(format!("{}.csv", figure.name), tables::fits_csv(&data))]
         }
-        Shown::NotYet(_) => vec![],
     };
     std::fs::create_dir_all(out)
         .with_context(|| format!("cannot make the directory {}", out.display()))?;

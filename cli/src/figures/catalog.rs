@@ -4,7 +4,7 @@
 
 use super::data::Data;
 use super::drawing::Drawing;
-use super::{beams, curves, inside};
+use super::{beams, curves, grains, inside};
 
 /// What a figure is drawn from, beyond the rows of its sweep.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -13,6 +13,8 @@ pub(crate) enum Needs {
     Results,
     /// The records of its bendings, and the inside of its beams where that was analyzed.
     Records,
+    /// These, and the snapshots of single grains.
+    Grains,
 }
 
 /// How a figure comes to paper.
@@ -22,8 +24,6 @@ pub(crate) enum Shown {
     Picture(fn(&Data) -> Drawing),
     /// As a table of its sets beside the published one.
     Table,
-    /// Not yet: what it still lacks.
-    NotYet(&'static str),
 }
 
 /// A figure or table.
@@ -41,9 +41,6 @@ pub(crate) struct Figure {
 /// The preset of the specs as they are stored, and their one packing.
 const PRESET: &str = "preset = \"draft\"";
 const PACKING: &str = "packing_seed = 1\n";
-/// Of a sweep per grain, which a picture would need.
-const GRAINS: &str =
-    "D_min and φ of single grains are in grains.dump, of a sweep with snapshots = true";
 
 impl Figure {
     /// The spec, with another preset and so many packings.
@@ -78,7 +75,7 @@ macro_rules! figure {
     };
 }
 
-use Shown::{NotYet, Picture, Table};
+use Shown::{Picture, Table};
 
 /// All, in the order of the paper; Figures 1, 2 and 17 are sketches.
 pub(crate) const ALL: &[Figure] = &[
@@ -133,8 +130,8 @@ pub(crate) const ALL: &[Figure] = &[
     figure!(
         "fig11",
         "D_min in the beam, early and late",
-        Records,
-        NotYet(GRAINS)
+        Grains,
+        Picture(grains::non_affine)
     ),
     figure!(
         "fig12",
@@ -145,8 +142,8 @@ pub(crate) const ALL: &[Figure] = &[
     figure!(
         "fig13",
         "D_min over Δφ of single grains",
-        Records,
-        NotYet(GRAINS)
+        Grains,
+        Picture(grains::non_affine_over_change)
     ),
     figure!(
         "fig14",

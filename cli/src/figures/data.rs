@@ -6,13 +6,14 @@ use anyhow::Context;
 use granary_api::id::SweepId;
 use granary_api::job::JobState;
 use granary_api::table::{PointRow, Scalar, SetRow};
-use granary_core::outcome::{HISTORY, STRUCTURE};
+use granary_core::outcome::{GRAINS_DUMP, HISTORY, STRUCTURE};
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
 
 use super::catalog::{Figure, Needs};
 use super::drawing::Tile;
+use super::grains::{self, Grain};
 use crate::api_client::ApiClient;
 
 /// What is drawn of the record of a bending; SI units.
@@ -111,6 +112,8 @@ pub(crate) struct Data {
     pub(crate) histories: BTreeMap<u64, History>,
     /// By point.
     pub(crate) structures: BTreeMap<u64, Structure>,
+    /// Snapshots by point.
+    pub(crate) grains: BTreeMap<u64, Vec<Vec<Grain>>>,
 }
 
 impl Data {
@@ -140,6 +143,12 @@ impl Data {
             if let Some(hash) = artifacts.get(STRUCTURE) {
                 let structure = parse(&client.artifact(*hash).await?, STRUCTURE)?;
                 data.structures.insert(row.point, structure);
+            }
+            if figure.needs == Needs::Grains
+                && let Some(hash) = artifacts.get(GRAINS_DUMP)
+            {
+                let frames = grains::read(&client.artifact(*hash).await?)?;
+                data.grains.insert(row.point, frames);
             }
         }
         Ok(data)

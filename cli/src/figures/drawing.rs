@@ -42,6 +42,8 @@ pub(crate) enum Style {
     Joined,
     /// Open marks, joined by dashes.
     OpenJoined,
+    /// Small marks that are seen through, for thousands of dots.
+    Cloud,
 }
 
 /// One number over another, with the standard error of a mean.
@@ -183,11 +185,46 @@ impl Heatmap {
     }
 }
 
+/// A disk in its place, with a number.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Disk {
+    pub(crate) x: f64,
+    pub(crate) y: f64,
+    pub(crate) radius: f64,
+    pub(crate) value: Option<f64>,
+}
+
+/// Disks on axes of one scale, colored by their numbers; later ones lie on top.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Disks {
+    pub(crate) title: String,
+    pub(crate) x: Axis,
+    pub(crate) y: Axis,
+    pub(crate) value: Axis,
+    pub(crate) disks: Vec<Disk>,
+}
+
+impl Disks {
+    fn csv(&self) -> String {
+        let columns = [self.x.column, self.y.column, "radius_mm", self.value.column];
+        let mut text = csv_line(columns);
+        for disk in &self.disks {
+            let value = disk
+                .value
+                .map_or_else(String::new, |value| value.to_string());
+            let [x, y, radius] = [disk.x, disk.y, disk.radius].map(|number| number.to_string());
+            text += &csv_line([x.as_str(), &y, &radius, &value]);
+        }
+        text
+    }
+}
+
 /// One part of a figure.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Panel {
     Chart(Chart),
     Heatmap(Heatmap),
+    Disks(Disks),
 }
 
 impl Panel {
@@ -195,6 +232,7 @@ impl Panel {
     pub(crate) fn csv(&self) -> Vec<(&'static str, String)> {
         match self {
             Self::Heatmap(map) => vec![("", map.csv())],
+            Self::Disks(picture) => vec![("", picture.csv())],
             Self::Chart(chart) => {
                 let inset = chart.inset.iter().map(|inset| ("-inset", inset.csv()));
                 std::iter::once(("", chart.csv())).chain(inset).collect()
@@ -206,6 +244,7 @@ impl Panel {
     pub(crate) fn is_empty(&self) -> bool {
         match self {
             Self::Heatmap(map) => map.range().is_none(),
+            Self::Disks(picture) => picture.disks.is_empty(),
             Self::Chart(chart) => chart.curves.iter().all(|curve| curve.dots.is_empty()),
         }
     }

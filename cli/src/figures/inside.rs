@@ -42,13 +42,18 @@ const FRACTION: Axis = Axis {
     unit: "",
     column: "volume_fraction",
 };
-const LENGTH: Axis = Axis {
+pub(super) const LENGTH: Axis = Axis {
     symbol: "x",
     unit: "mm",
     column: "x_mm",
 };
-/// Stresses of Figures 10 and 11 \[Pa\].
-const EARLY_AND_LATE: [f64; 2] = [15e3, 100e3];
+pub(super) const UPWARD: Axis = Axis {
+    symbol: "z",
+    unit: "mm",
+    column: "z_mm",
+};
+/// Stresses of Figures 10, 11 and 13 \[Pa\].
+pub(super) const EARLY_AND_LATE: [f64; 2] = [15e3, 100e3];
 /// Where the interval of Figure 15 begins \[Pa\].
 const LATE: f64 = 175e3;
 /// Width of an interval of stress \[kPa\].
@@ -161,11 +166,7 @@ fn field_map(title: &str, field: &Field, component: usize) -> Heatmap {
     Heatmap {
         title: title.to_owned(),
         x: LENGTH,
-        y: Axis {
-            symbol: "z",
-            unit: "mm",
-            column: "z_mm",
-        },
+        y: UPWARD,
         value: Axis {
             symbol: "Δr",
             unit: "µm",

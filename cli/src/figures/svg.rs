@@ -5,11 +5,14 @@ use std::fmt::Write;
 use super::drawing::{Drawing, Panel};
 
 mod chart;
+mod disks;
 mod heatmap;
 mod ticks;
 
 /// Size of a panel \[px\].
 const PANEL: [f64; 2] = [440.0, 380.0];
+/// Size of a panel that shows a beam from the side \[px\].
+const LONG_PANEL: [f64; 2] = [880.0, 230.0];
 /// Colors of curves, told apart also by those who see fewer.
 const PALETTE: [&str; 8] = [
     "#0b6bb0", "#c2570c", "#00815f", "#a8438b", "#8a6d00", "#2b8fb8", "#6d4bb8", "#b03a48",
@@ -95,6 +98,21 @@ impl Canvas {
         let _ = writeln!(self.body, "<path d=\"{path}\" fill=\"none\" {style}/>");
     }
 
+    fn disk(&mut self, [x, y]: [f64; 2], radius: f64, fill: &str) {
+        let _ = writeln!(
+            self.body,
+            "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{radius:.2}\" fill=\"{fill}\" stroke=\"{INK}\" stroke-width=\"0.3\"/>"
+        );
+    }
+
+    /// A small mark that shows how many others are beneath it.
+    fn speck(&mut self, [x, y]: [f64; 2], color: &str) {
+        let _ = writeln!(
+            self.body,
+            "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"1.6\" fill=\"{color}\" fill-opacity=\"0.3\"/>"
+        );
+    }
+
     fn mark(&mut self, [x, y]: [f64; 2], color: &str, open: bool) {
         let fill = if open { "#ffffff" } else { color };
         let _ = writeln!(
@@ -113,24 +131,30 @@ fn escaped(text: &str) -> String {
 pub(crate) fn picture(drawing: &Drawing, title: &str) -> String {
     let columns = drawing.columns.clamp(1, drawing.panels.len().max(1));
     let rows = drawing.panels.len().div_ceil(columns);
+    let long = drawing
+        .panels
+        .iter()
+        .any(|panel| matches!(panel, Panel::Disks(_)));
+    let size = if long { LONG_PANEL } else { PANEL };
     let mut canvas = Canvas::default();
     for (k, panel) in drawing.panels.iter().enumerate() {
         let area = Area {
-            x: (k % columns) as f64 * PANEL[0],
-            y: (k / columns) as f64 * PANEL[1],
-            width: PANEL[0],
-            height: PANEL[1],
+            x: (k % columns) as f64 * size[0],
+            y: (k / columns) as f64 * size[1],
+            width: size[0],
+            height: size[1],
         };
         match panel {
             Panel::Chart(chart) => chart::draw(&mut canvas, area, chart),
             Panel::Heatmap(map) => heatmap::draw(&mut canvas, area, map),
+            Panel::Disks(picture) => disks::draw(&mut canvas, area, picture),
         }
         if panel.is_empty() {
             let middle = [area.x + 0.5 * area.width, area.y + 0.4 * area.height];
             canvas.text(middle, Anchor::Middle, "no number yet");
         }
     }
-    let (width, height) = (columns as f64 * PANEL[0], rows as f64 * PANEL[1]);
+    let (width, height) = (columns as f64 * size[0], rows as f64 * size[1]);
     let title = escaped(title);
     format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width:.0} {height:.0}\" width=\"{width:.0}\" height=\"{height:.0}\" \

@@ -61,7 +61,7 @@ fn drawn(name: &str, data: &Data) -> Drawing {
 fn chart(drawing: &Drawing, panel: usize) -> &drawing::Chart {
     match &drawing.panels[panel] {
         Panel::Chart(chart) => chart,
-        Panel::Heatmap(_) => panic!("a map"),
+        _ => panic!("no chart"),
     }
 }
 
@@ -288,6 +288,65 @@ fn inside_of_a_beam_is_told_in_diameters_and_intervals_of_stress() {
             .1
             .contains("\n10,0,,,0,0,too few grains\n")
     );
+}
+
+/// Two snapshots of three grains, one above the other; D_min and φ of the middle one are unknown at first.
+const DUMP: &str = "ITEM: TIMESTEP
+10
+ITEM: NUMBER OF ATOMS
+3
+ITEM: BOX BOUNDS ff ff ff
+-1 1
+-1 1
+-1 1
+ITEM: ATOMS id type x y z radius vx vy vz d_min phi contacts
+1 1 0 0 -0.005 0.0025 0 0 0 nan 0.5 2
+2 1 0 0.02 0.001 0.0025 0 0 0 nan nan 2
+3 1 0 0 0.005 0.0025 0 0 0 nan 0.6 2
+ITEM: TIMESTEP
+20
+ITEM: NUMBER OF ATOMS
+3
+ITEM: BOX BOUNDS ff ff ff
+-1 1
+-1 1
+-1 1
+ITEM: ATOMS id type x y z radius vx vy vz d_min phi contacts
+1 1 0 0 -0.005 0.0025 0 0 0 1e-4 0.49 2
+2 1 0 0.02 0.001 0.0025 0 0 0 2e-4 0.55 2
+3 1 0 0 0.005 0.0025 0 0 0 5e-5 0.63 2
+";
+
+#[test]
+fn single_grains_are_drawn_in_their_places_and_by_the_half_that_they_are_in() {
+    let data = Data {
+        points: vec![point(0, &json!({}), &json!({}))],
+        structures: BTreeMap::from([(0, inside())]),
+        grains: BTreeMap::from([(0, grains::read(DUMP.as_bytes()).expect("a dump"))]),
+        ..Data::default()
+    };
+    // The one change is nearest to both stresses. The middle grain is not in the cut, 0.02 m behind it.
+    let cut = drawn("fig11", &data);
+    assert_eq!(cut.panels.len(), 2);
+    let rows = "x_mm,z_mm,radius_mm,non_affine_d\n0,-5,2.5,0.02\n0,5,2.5,0.01\n";
+    assert_eq!(cut.panels[0].csv()[0].1, rows);
+    let picture = svg::picture(&cut, "Figure 11");
+    assert_eq!(picture.matches("<circle").count(), 4);
+    let over = drawn("fig13", &data);
+    let dots = |panel: usize| chart(&over, panel).curves[0].dots.clone();
+    let [top, bottom] = [dots(0), dots(1)];
+    // φ of the middle grain was not known before.
+    assert_eq!([top.len(), bottom.len()], [1, 1]);
+    assert!((top[0].x - 0.03).abs() < 1e-12 && (top[0].y - 0.01).abs() < 1e-12);
+    assert!((bottom[0].x + 0.01).abs() < 1e-12 && (bottom[0].y - 0.02).abs() < 1e-12);
+    assert!((chart(&over, 0).verticals[0].at - 0.03).abs() < 1e-12);
+}
+
+#[test]
+fn dump_with_a_broken_line_is_refused_with_the_line() {
+    let broken = DUMP.replace("0.49 2", "0.49 2\n4 1 0 zero");
+    let error = grains::read(broken.as_bytes()).expect_err("a broken line");
+    assert!(error.to_string().contains("`4 1 0 zero`"), "{error}");
 }
 
 #[test]

@@ -31,7 +31,7 @@ use patch::Sphere;
 use push::Pending;
 use reach::Reach;
 use sheet::Sheet;
-use touch::{Ball, Finder, Touch};
+use touch::{Ball, Finder};
 
 /// How grains and membrane touch.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

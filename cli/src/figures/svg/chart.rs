@@ -145,6 +145,9 @@ impl<'a> Plot<'a> {
             if let Some(open) = mark(curve.style) {
                 canvas.mark(*place, color, open);
             }
+            if curve.style == Style::Cloud {
+                canvas.speck(*place, color);
+            }
         }
     }
 }
@@ -155,7 +158,7 @@ fn stroke(style: Style) -> Option<&'static str> {
         Style::Solid | Style::Joined => Some("stroke-width=\"1.6\""),
         Style::Dashed | Style::OpenJoined => Some("stroke-width=\"1.6\" stroke-dasharray=\"6 4\""),
         Style::Dotted => Some("stroke-width=\"1.2\" stroke-dasharray=\"1.5 2.5\""),
-        Style::Marks | Style::Open => None,
+        Style::Marks | Style::Open | Style::Cloud => None,
     }
 }
 
@@ -164,7 +167,7 @@ fn mark(style: Style) -> Option<bool> {
     match style {
         Style::Marks | Style::Joined => Some(false),
         Style::Open | Style::OpenJoined => Some(true),
-        Style::Solid | Style::Dashed | Style::Dotted => None,
+        Style::Solid | Style::Dashed | Style::Dotted | Style::Cloud => None,
     }
 }
 

@@ -81,7 +81,7 @@ fn draw_tile(canvas: &mut Canvas, place: Area, tile: &Tile, map: &Heatmap, range
 }
 
 /// Three significant digits.
-fn short(value: f64) -> String {
+pub(super) fn short(value: f64) -> String {
     let places = (2.0 - value.abs().max(1e-9).log10().floor()).clamp(0.0, 9.0);
     number(
         format!("{value:.*}", places as usize)
@@ -90,7 +90,7 @@ fn short(value: f64) -> String {
     )
 }
 
-fn share(value: f64, [low, high]: [f64; 2]) -> f64 {
+pub(super) fn share(value: f64, [low, high]: [f64; 2]) -> f64 {
     if high > low {
         (value - low) / (high - low)
     } else {
@@ -99,7 +99,7 @@ fn share(value: f64, [low, high]: [f64; 2]) -> f64 {
 }
 
 /// The color of a share from 0 to 1.
-fn color(share: f64) -> String {
+pub(super) fn color(share: f64) -> String {
     let place = share.clamp(0.0, 1.0) * (COLORS.len() - 1) as f64;
     let below = (place.floor() as usize).min(COLORS.len() - 2);
     let part = place - below as f64;

@@ -38,6 +38,20 @@ impl Range {
         }
     }
 
+    /// All of `values`, and no more.
+    pub(super) fn around_all(values: impl Iterator<Item = f64>) -> Self {
+        let ends = values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| {
+            [low.min(value), high.max(value)]
+        });
+        match ends {
+            [low, high] if low < high => Self { low, high },
+            _ => Self {
+                low: 0.0,
+                high: 1.0,
+            },
+        }
+    }
+
     /// Where `value` lies, from 0 to 1 within the range.
     pub(super) fn share(&self, value: f64) -> f64 {
         (value - self.low) / (self.high - self.low)
