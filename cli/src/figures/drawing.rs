@@ -201,14 +201,14 @@ pub(crate) struct Disks {
     pub(crate) x: Axis,
     pub(crate) y: Axis,
     pub(crate) value: Axis,
-    pub(crate) disks: Vec<Disk>,
+    pub(crate) all: Vec<Disk>,
 }
 
 impl Disks {
     fn csv(&self) -> String {
         let columns = [self.x.column, self.y.column, "radius_mm", self.value.column];
         let mut text = csv_line(columns);
-        for disk in &self.disks {
+        for disk in &self.all {
             let value = disk
                 .value
                 .map_or_else(String::new, |value| value.to_string());
@@ -244,7 +244,7 @@ impl Panel {
     pub(crate) fn is_empty(&self) -> bool {
         match self {
             Self::Heatmap(map) => map.range().is_none(),
-            Self::Disks(picture) => picture.disks.is_empty(),
+            Self::Disks(picture) => picture.all.is_empty(),
             Self::Chart(chart) => chart.curves.iter().all(|curve| curve.dots.is_empty()),
         }
     }

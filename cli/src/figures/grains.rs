@@ -34,9 +34,8 @@ pub(crate) fn read(bytes: &[u8]) -> anyhow::Result<Vec<Vec<Grain>>> {
     let text = std::str::from_utf8(bytes).context("a dump of grains is no text")?;
     let mut frames = vec![];
     let mut columns = BTreeMap::new();
-    let mut lines = text.lines();
     let mut reading = false;
-    while let Some(line) = lines.next() {
+    for line in text.lines() {
         if let Some(names) = line.strip_prefix("ITEM: ATOMS ") {
             columns = names.split_whitespace().zip(0..).collect();
             frames.push(vec![]);
@@ -118,7 +117,7 @@ pub(super) fn non_affine(data: &Data) -> Drawing {
             x: LENGTH,
             y: UPWARD,
             value: NON_AFFINE,
-            disks: disks.into_iter().map(|(_, disk)| disk).collect(),
+            all: disks.into_iter().map(|(_, disk)| disk).collect(),
         }));
     }
     Drawing { panels, columns: 1 }

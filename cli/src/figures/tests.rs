@@ -54,7 +54,7 @@ fn point(number: u64, parameters: &Value, results: &Value) -> PointRow {
 fn drawn(name: &str, data: &Data) -> Drawing {
     match Figure::named(name).expect("a figure").shown {
         Shown::Picture(draw) => draw(data),
-        _ => panic!("{name} is no picture"),
+        Shown::Table => panic!("{name} is no picture"),
     }
 }
 

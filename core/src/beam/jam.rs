@@ -50,6 +50,16 @@ enum Phase {
     Rising(f64),
 }
 
+impl Phase {
+    /// What to do about a beam that is in this phase for too long.
+    fn remedy(self) -> &'static str {
+        match self {
+            Self::Even(_) => "use a larger mold_speed: the walls have not met the grains yet",
+            Self::Rising(_) => CALMER,
+        }
+    }
+}
+
 /// Compacts the grown grains of `input`, or goes on from a checkpoint.
 pub(crate) fn run(
     spec: &JamSpec,
@@ -165,11 +175,7 @@ fn compacted<T: Friction>(
             break;
         }
         if run.time > spec.pressure_ramp + spec.rest.longest {
-            let remedy = match phase {
-                Phase::Even(_) => "use a larger mold_speed: the walls have not met the grains yet",
-                Phase::Rising(_) => CALMER,
-            };
-            return Err(not_at_rest(&run, spec.rest.longest, remedy));
+            return Err(not_at_rest(&run, spec.rest.longest, phase.remedy()));
         }
     }
     let overgrown = pressed_by_growth::<T>(spec, &rig, &state)?;

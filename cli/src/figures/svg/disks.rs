@@ -8,6 +8,8 @@ use crate::table::number;
 
 /// Room around the axes: left, above, right, below \[px\].
 const ROOM: [f64; 4] = [66.0, 34.0, 92.0, 60.0];
+/// Where what stands right of the axes ends \[px\].
+const RIGHT: f64 = 86.0;
 /// Share of the values that the scale of colors spans: a few grains move much farther than all others.
 const SPANNED: f64 = 0.98;
 
@@ -16,13 +18,13 @@ pub(super) fn draw(canvas: &mut Canvas, area: Area, picture: &Disks) {
     let room = [area.width - left - right, area.height - above - below];
     let x = Range::around_all(
         picture
-            .disks
+            .all
             .iter()
             .flat_map(|d| [d.x - d.radius, d.x + d.radius]),
     );
     let y = Range::around_all(
         picture
-            .disks
+            .all
             .iter()
             .flat_map(|d| [d.y - d.radius, d.y + d.radius]),
     );
@@ -42,7 +44,7 @@ pub(super) fn draw(canvas: &mut Canvas, area: Area, picture: &Disks) {
         &picture.title,
     );
     let range = spanned(picture);
-    for disk in &picture.disks {
+    for disk in &picture.all {
         let center = [
             axes.x + scale * (disk.x - x.low),
             axes.y + scale * (y.high - disk.y),
@@ -59,7 +61,7 @@ pub(super) fn draw(canvas: &mut Canvas, area: Area, picture: &Disks) {
 
 /// From zero to what nearly all values stay below.
 fn spanned(picture: &Disks) -> [f64; 2] {
-    let mut values: Vec<f64> = picture.disks.iter().filter_map(|disk| disk.value).collect();
+    let mut values: Vec<f64> = picture.all.iter().filter_map(|disk| disk.value).collect();
     values.sort_by(f64::total_cmp);
     let last = (SPANNED * values.len() as f64) as usize;
     let high = values.get(last.min(values.len().saturating_sub(1)));
@@ -106,8 +108,8 @@ fn bar(canvas: &mut Canvas, axes: Area, picture: &Disks, [low, high]: [f64; 2]) 
         canvas.styled_text([left + 18.0, y], Anchor::Start, &small, &value);
     }
     canvas.text(
-        [axes.x + axes.width + 4.0, axes.y - 10.0],
-        Anchor::Start,
+        [axes.x + axes.width + RIGHT, axes.y - 10.0],
+        Anchor::End,
         &picture.value.title(),
     );
 }
