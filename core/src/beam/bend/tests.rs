@@ -5,9 +5,10 @@ use std::ops::ControlFlow;
 
 use super::*;
 use crate::beam::point::BeamPoint;
+use crate::beam::{grow, jam};
+use crate::identity::StageId;
 use crate::lanes::VectorWidth;
 use crate::outcome::STATE;
-use crate::stage::{Ensemble, StageSpec, run_with};
 use serde_json::json;
 
 /// A small soft beam, made and bent in haste.
@@ -24,17 +25,16 @@ fn point() -> BeamPoint {
     BeamPoint::from_parameters(map).expect("valid parameters")
 }
 
-fn run(spec: &StageSpec, input: &[u8]) -> Outcome {
-    let ensemble = Ensemble {
-        specs: std::slice::from_ref(spec),
-        input,
-        checkpoints: None,
+/// The outcome of a stage that takes its spec, its name, its input and how it goes on.
+fn finished(
+    stage: impl FnOnce(VectorWidth, &mut Progress<'_>) -> Result<Outcome, StageFailure>,
+) -> Outcome {
+    let mut go_on = |_: &crate::outcome::Report<'_>| ControlFlow::Continue(());
+    let mut progress = Progress {
+        watch: &mut go_on,
+        steps: 0,
     };
-    run_with(&ensemble, VectorWidth::widest(), &mut |_| {
-        ControlFlow::Continue(())
-    })
-    .remove(0)
-    .unwrap_or_else(|failure| panic!("{}: {failure}", spec.kind().name()))
+    stage(VectorWidth::widest(), &mut progress).unwrap_or_else(|failure| panic!("{failure}"))
 }
 
 fn flipped([x, y, z]: [f64; 3]) -> [f64; 3] {
@@ -91,14 +91,15 @@ fn mirrored(mut state: Snapshot<Past>, built: &Mesh) -> Snapshot<Past> {
 #[test]
 fn mirrored_beam_is_as_stiff() {
     let point = point();
-    let grow = StageSpec::Grow(point.grow());
-    let jam = StageSpec::Jam(point.jam(grow.id()));
-    let bend = StageSpec::Bend(point.bend(jam.id()));
-    let jammed = run(&jam, &run(&grow, &[]).artifacts[STATE]);
+    let (grow, jam) = (point.grow(), point.jam(StageId::of_bytes(b"grown")));
+    let bend = point.bend(StageId::of_bytes(b"jammed"));
+    let grown = finished(|width, progress| grow::run(&grow, "grow", None, width, progress));
+    let input = grown.artifacts[STATE].as_slice();
+    let jammed = finished(|width, progress| jam::run(&jam, "jam", (input, None), width, progress));
     let bytes = &jammed.artifacts[STATE];
     let state = Snapshot::<Past>::from_bytes(bytes).expect("a beam");
     let rig = Rig {
-        grow: &point.grow(),
+        grow: &grow,
         jam: state.header.jam.as_ref(),
         friction_coefficient: 0.0,
         damping: 0.0,
@@ -109,7 +110,10 @@ fn mirrored_beam_is_as_stiff() {
     assert_ne!(image, state);
     assert_eq!(mirrored(image.clone(), built.mesh()), state);
     let stiffness = [bytes.clone(), image.to_bytes()]
-        .map(|bytes| run(&bend, &bytes).results["beam_stiffness"].expect("stiff"));
+        .map(|bytes| {
+            finished(|width, progress| run(&bend, "bend", (&bytes, None), width, progress))
+        })
+        .map(|bent| bent.results["beam_stiffness"].expect("stiff"));
     println!("B4: {stiffness:?}");
     assert!(
         (stiffness[0] / stiffness[1] - 1.0).abs() < 1e-6,
