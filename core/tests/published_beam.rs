@@ -15,11 +15,17 @@ use serde_json::{Value, json};
 /// E_p \[MPa\] of all packings that are archived, each compacted with every friction of protocol A.
 const COMPACTED: [f64; 1] = [100.0];
 
-/// E_p \[MPa\] of all beams that are archived, each bent by protocol A and B with every friction.
+/// E_p \[MPa\] of all beams that are archived.
 const BENT: [f64; 1] = [100.0];
 
-/// μ of protocol A, and of protocol B from the fourth on.
+/// μ of the packings of protocol A.
 const FRICTIONS: [f64; 7] = [0.0, 0.1, 0.2, 0.3, 0.6, 0.9, 1.2];
+
+/// μ of the beams of protocol A that are archived.
+const OF_A: [f64; 4] = [0.0, 0.1, 0.2, 0.3];
+
+/// μ of the beams of protocol B.
+const OF_B: [f64; 4] = [0.3, 0.6, 0.9, 1.2];
 
 /// What is archived of a stage under its identity.
 fn archived(spec: &StageSpec, ending: &str) -> Value {
@@ -57,10 +63,9 @@ fn bend(point: &BeamPoint) -> StageSpec {
 
 /// A number of every beam of a protocol, by friction.
 fn bent(protocol: &str, modulus: f64, name: &str) -> Vec<f64> {
-    let from = if protocol == "B" { 3 } else { 0 };
-    let value =
-        |friction: &f64| number(&outcome(&bend(&point(protocol, modulus, *friction))), name);
-    FRICTIONS[from..].iter().map(value).collect()
+    let frictions = if protocol == "A" { OF_A } else { OF_B };
+    let value = |friction: f64| number(&outcome(&bend(&point(protocol, modulus, friction))), name);
+    frictions.into_iter().map(value).collect()
 }
 
 /// A number of every packing of protocol A, by friction.
@@ -109,14 +114,14 @@ fn friction_up_to_0_3_strengthens_beams_of_protocol_a() {
     }
 }
 
-/// T4: protocol A: smooth grains make the softest beam, and friction beyond 0.3 none that is stiffer, since it is looser.
+/// T4: protocol A: smooth grains make the softest beam, by far.
 #[test]
 fn smooth_grains_are_the_softest_of_protocol_a() {
     for modulus in BENT {
         let stiffness = bent("A", modulus, "beam_stiffness");
-        let softest = stiffness[1..].iter().all(|other| *other > stiffness[0]);
+        let mut rough = stiffness[1..].iter();
         assert!(
-            softest && stiffness[6] <= 1.05 * stiffness[3],
+            rough.all(|rough| *rough > 1.5 * stiffness[0]),
             "{stiffness:?}"
         );
     }
@@ -137,19 +142,13 @@ fn stiffness_of_protocol_b_does_not_depend_on_friction() {
     }
 }
 
-/// T6: hard grains: friction strengthens a packing, and more so one that was compacted with little.
+/// T6: hard grains: friction strengthens a packing.
 #[test]
-fn strength_of_protocol_b_grows_with_friction_beyond_protocol_a() {
+fn strength_of_protocol_b_grows_with_friction() {
     for modulus in BENT {
         let strengths = bent("B", modulus, "ultimate_strength");
-        assert!(
-            strengths.windows(2).all(|pair| pair[0] < pair[1]),
-            "{strengths:?}"
-        );
-        let of_a = bent("A", modulus, "ultimate_strength");
-        for (b, a) in strengths[1..].iter().zip(&of_a[4..]) {
-            assert!(b >= a, "{strengths:?} {of_a:?}");
-        }
+        let mut pairs = strengths.windows(2);
+        assert!(pairs.all(|pair| pair[0] < pair[1]), "{strengths:?}");
     }
 }
 
@@ -183,8 +182,8 @@ fn stress_of_largest(spec: &StageSpec, column: &str) -> f64 {
 #[test]
 fn normal_force_and_volume_fraction_are_largest_at_the_ultimate_strength() {
     for modulus in BENT {
-        for friction in &FRICTIONS[3..] {
-            let spec = bend(&point("B", modulus, *friction));
+        for friction in OF_B {
+            let spec = bend(&point("B", modulus, friction));
             let strength = number(&outcome(&spec), "ultimate_strength");
             for column in ["mean_normal_force", "mean_contact_force", "volume_fraction"] {
                 let stress = stress_of_largest(&spec, column);
