@@ -1,6 +1,6 @@
-//! Disks in their places, colored by a number, with the scale of the colors beneath.
+//! Disks in their places, colored by a number, with the scale of the colors beside them.
 
-use super::heatmap::{color, share, short};
+use super::heatmap::{color, color_bar, share, short};
 use super::ticks::Range;
 use super::{Anchor, Area, Canvas, INK, QUIET};
 use crate::figures::drawing::Disks;
@@ -89,23 +89,11 @@ fn ticks(canvas: &mut Canvas, axes: Area, [x, y]: [Range; 2], picture: &Disks) {
 
 /// The scale of the colors.
 fn bar(canvas: &mut Canvas, axes: Area, picture: &Disks, [low, high]: [f64; 2]) {
-    const STEPS: u32 = 30;
-    let left = axes.x + axes.width + 14.0;
-    let step = axes.height / f64::from(STEPS);
-    for k in 0..STEPS {
-        let place = Area {
-            x: left,
-            y: axes.y + axes.height - f64::from(k + 1) * step,
-            width: 14.0,
-            height: step + 0.5,
-        };
-        let share = (f64::from(k) + 0.5) / f64::from(STEPS);
-        canvas.rect(place, &format!("fill=\"{}\"", color(share)), "");
-    }
+    let left = color_bar(canvas, axes);
     let small = format!(" font-size=\"11\" fill=\"{QUIET}\"");
     let high = format!("≥ {}", short(high));
     for (y, value) in [(axes.y + 10.0, high), (axes.y + axes.height, short(low))] {
-        canvas.styled_text([left + 18.0, y], Anchor::Start, &small, &value);
+        canvas.styled_text([left, y], Anchor::Start, &small, &value);
     }
     canvas.text(
         [axes.x + axes.width + RIGHT, axes.y - 10.0],

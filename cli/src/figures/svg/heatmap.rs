@@ -140,6 +140,19 @@ fn axes(canvas: &mut Canvas, tiles: Area, size: [f64; 2], map: &Heatmap) {
 }
 
 fn scale(canvas: &mut Canvas, tiles: Area, map: &Heatmap, [low, high]: [f64; 2]) {
+    let left = color_bar(canvas, tiles);
+    let small = format!(" font-size=\"11\" fill=\"{QUIET}\"");
+    for (y, value) in [(tiles.y + 10.0, high), (tiles.y + tiles.height, low)] {
+        canvas.styled_text([left, y], Anchor::Start, &small, &short(value));
+    }
+    canvas.upright(
+        [left + 38.0, tiles.y + 0.5 * tiles.height],
+        &map.value.title(),
+    );
+}
+
+/// Draws the scale of colors to the right of a map, as high as it; where its numbers begin.
+pub(super) fn color_bar(canvas: &mut Canvas, tiles: Area) -> f64 {
     let left = tiles.x + tiles.width + 14.0;
     let step = tiles.height / f64::from(STEPS);
     for k in 0..STEPS {
@@ -152,12 +165,5 @@ fn scale(canvas: &mut Canvas, tiles: Area, map: &Heatmap, [low, high]: [f64; 2])
         let share = (f64::from(k) + 0.5) / f64::from(STEPS);
         canvas.rect(place, &format!("fill=\"{}\"", color(share)), "");
     }
-    let small = format!(" font-size=\"11\" fill=\"{QUIET}\"");
-    for (y, value) in [(tiles.y + 10.0, high), (tiles.y + tiles.height, low)] {
-        canvas.styled_text([left + 18.0, y], Anchor::Start, &small, &short(value));
-    }
-    canvas.upright(
-        [left + 56.0, tiles.y + 0.5 * tiles.height],
-        &map.value.title(),
-    );
+    left + 18.0
 }

@@ -358,6 +358,23 @@ fn grain_that_has_crossed_is_pushed_back_and_one_behind_the_sheet_is_not_touched
     }
 }
 
+/// Behind a ridge, whose foot is on the side that both faces share, and behind one of its vertices.
+#[test]
+fn grain_that_has_crossed_at_a_side_or_corner_is_pushed_back() {
+    let mesh = patch(-0.4);
+    // Below the fold; the sheet's inside is above.
+    for along in [0.5 * EDGE, 0.0] {
+        for depth in [0.02, 0.1, 0.3] {
+            let center = [0.0, along, -depth * RADIUS];
+            let finder = find(&mesh, center, RADIUS);
+            assert_eq!(finder.touches.len(), 1, "{along} {depth}");
+            let touch = finder.touches[0];
+            assert!(touch.overlap > RADIUS, "{along} {depth}: {touch:?}");
+            assert!(pull(&finder)[2] > 0.0, "{along} {depth}");
+        }
+    }
+}
+
 #[test]
 fn smooth_grains_in_a_casing_can_spin_but_keep_no_history() {
     use crate::scene::Physics;

@@ -136,7 +136,8 @@ impl Finder {
         self.patch.places.clear();
         self.patch.terms.clear();
         // Where the grain is inside of all planes, it is inside of the sheet.
-        if reaches.iter().all(|reach| reach.height > 0.0) {
+        let inside = reaches.iter().all(|reach| reach.height > 0.0);
+        if inside {
             if let Some(only) = Reach::only(reaches)
                 && only.depth() > NO_DEPTH * ball.sphere.radius
             {
@@ -154,6 +155,7 @@ impl Finder {
         }
         self.patch.find(mesh, ball.sphere);
         if let [only] = self.patch.terms[..]
+            && inside
             && only.overlap < (1.0 - NO_DEPTH) * ball.sphere.radius
         {
             let place = only.alone(&self.patch.places[only.place]);
@@ -224,8 +226,8 @@ impl Finder {
         let patch = &self.patch;
         let of_contact = |term: &&Term| patch.places[term.place].contact == first;
         let mut terms = patch.terms.iter().filter(of_contact);
-        // Where the center has all but crossed the sheet, there is no way to the feet to go by.
-        if depth(&nearest) < NO_DEPTH * radius {
+        // Where the center has all but crossed the sheet there is no way to the feet to go by, and beyond it terms know no side.
+        if nearest.overlap > (1.0 - NO_DEPTH) * radius {
             self.add_one(ball, &nearest);
         } else if let (Some(only), None) = (terms.next(), terms.next()) {
             let place = only.alone(&nearest);
