@@ -10,8 +10,8 @@ pub(super) const NUMERICS: &[Parameter] = &[
         HERE,
         ("time_step_fraction", "κ", ""),
         (Open(0.0), Closed(1.5)),
-        0.4,
-        "Time step over the critical one, measured again and again, while the beam is bent.",
+        0.8,
+        "Time step over the critical one, measured again and again, while the beam is bent; from 1 on a run stops.",
     ),
     Parameter::real(
         HERE,

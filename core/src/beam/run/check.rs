@@ -55,7 +55,7 @@ impl<T: Friction> Run<T> {
                 self.fraction
             );
             let remedy =
-                "use a time_step_fraction and preparation_time_step_fraction of at most 0.4";
+                "use a time_step_fraction and preparation_time_step_fraction of at most 0.8";
             return Err(self.failed("unstable", detail, remedy));
         }
         self.check_energy()?;
