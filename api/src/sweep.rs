@@ -36,7 +36,7 @@ pub struct Submitted {
 pub struct JobCounts {
     /// Jobs in all.
     pub total: u64,
-    /// Not known before.
+    /// Not known before, and in no archive.
     pub new: u64,
     /// Already done, for this sweep or another.
     pub done: u64,

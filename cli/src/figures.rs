@@ -100,7 +100,7 @@ async fn list(args: &Args) -> anyhow::Result<Done> {
     log::to_stderr(tracing::Level::WARN);
     // Estimates come from the planner; nothing is queued, so a store that nobody keeps will do.
     let place = tempfile::tempdir()?;
-    let mut service = Service::open(Config::new(place.path()), "granary figures").await?;
+    let mut service = Service::open(Config::new(place.path()), None, "granary figures").await?;
     let client = service.client().await?;
     let mut table = Table::new(["figure", "points", "one core", "drawn", "what it shows"]);
     for figure in ALL {
@@ -142,8 +142,9 @@ async fn draw(args: &Args, figure: &Figure) -> anyhow::Result<Done> {
         return write(&client, sweep, figure, &args.out).await;
     }
     log::to_stderr(tracing::Level::WARN);
-    let mut service = Service::open(Config::new(&args.place.data), "granary figures").await?;
-    service.archive = args.place.archive.open();
+    let config = Config::new(&args.place.data);
+    let archive = args.place.archive.open();
+    let mut service = Service::open(config, archive, "granary figures").await?;
     let done = draw_here(&mut service, args, figure, &spec).await;
     let stopped = service.stop().await;
     let done = done?;

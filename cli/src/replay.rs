@@ -37,7 +37,7 @@ pub(crate) async fn run(args: Args) -> anyhow::Result<Done> {
         let client = args.server.client()?;
         return replay(&client, &args).await;
     };
-    let mut service = Service::open(Config::new(data), "granary replay").await?;
+    let mut service = Service::open(Config::new(data), None, "granary replay").await?;
     let client = service.client().await?;
     let done = replay(&client, &args).await;
     service.stop().await?;

@@ -33,8 +33,9 @@ pub(crate) struct Args {
 pub(crate) async fn run(args: Args) -> anyhow::Result<Done> {
     log::to_stderr(tracing::Level::WARN);
     let spec = SpecFile::read(&args.spec)?;
-    let mut service = Service::open(Config::new(&args.place.data), "granary run").await?;
-    service.archive = args.place.archive.open();
+    let config = Config::new(&args.place.data);
+    let archive = args.place.archive.open();
+    let mut service = Service::open(config, archive, "granary run").await?;
     let done = whole(&mut service, &args, &spec).await;
     let stopped = service.stop().await;
     let done = done?;

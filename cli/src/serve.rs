@@ -70,8 +70,7 @@ pub(crate) async fn start(
     archive: Option<Archive>,
     slots: usize,
 ) -> anyhow::Result<(Service, SocketAddr)> {
-    let mut service = Service::open(config, "a server that starts").await?;
-    service.archive = archive;
+    let mut service = Service::open(config, archive, "a server that starts").await?;
     let address = service.listen().await?;
     service.work(slots);
     Ok((service, address))

@@ -2,10 +2,12 @@
 
 use std::net::{IpAddr, Ipv4Addr, SocketAddr};
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::time::Duration;
 
 use granary_api::token::Scope;
 
+use crate::archive::Archive;
 use crate::{queue, sweep};
 
 /// Everything a server may be told.
@@ -33,6 +35,8 @@ pub struct Config {
     pub artifact_bytes: u64,
     /// Events kept per sweep.
     pub events: u32,
+    /// What a sweep need not wait for.
+    pub archive: Option<Arc<dyn Archive>>,
 }
 
 impl Config {
@@ -51,6 +55,7 @@ impl Config {
             body_bytes: 4 << 20,
             artifact_bytes: 4 << 30,
             events: 10_000,
+            archive: None,
         }
     }
 }

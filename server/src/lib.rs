@@ -3,6 +3,7 @@
 //! It plans sweeps, queues their jobs, hands them to workers and answers with tables.
 //! It never steps a scene: physics is the workers' business.
 
+mod archive;
 mod config;
 mod error;
 pub mod queue;
@@ -17,6 +18,7 @@ pub mod table;
 use granary_api::sweep::Submitted;
 use serde_json::Value;
 
+pub use archive::{Archive, Archived};
 pub use config::Config;
 pub use routes::{app, openapi};
 pub use serve::{ServeError, Server, background};

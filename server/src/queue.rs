@@ -7,6 +7,7 @@
 //!    ├─> failed │ └─> cancelled   (what it needs failed; nobody wants it)
 //!    └──────────┴──── retry, wanted again
 //! ```
+//! A job whose outcome is archived is done without a lease; preparation that only such jobs needed is cancelled.
 
 use granary_api::job::{Failure, JobState};
 use granary_core::stage::StageFailure;
@@ -32,11 +33,13 @@ impl Default for Limits {
 }
 
 /// Every move that a job may make; the schema's trigger holds the same list.
-pub const MOVES: [(JobState, JobState); 16] = [
+pub const MOVES: [(JobState, JobState); 18] = [
     (Blocked, Ready),
+    (Blocked, Done),
     (Blocked, Failed),
     (Blocked, Cancelled),
     (Ready, Leased),
+    (Ready, Done),
     (Ready, Cancelled),
     (Leased, Done),
     (Leased, Failed),

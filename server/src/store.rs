@@ -4,6 +4,7 @@
 //! Only [`Tokens`] are made and revoked beside it, by `granary token` while a server runs.
 //! Transactions that write begin `immediate`, so none fails half way because another came first.
 
+mod archived;
 mod artifact;
 mod bulk;
 mod chunk;

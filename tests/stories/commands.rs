@@ -1,6 +1,6 @@
 //! The smaller commands, as a user meets them.
 
-use granary_tests::{Sandbox, tiny};
+use granary_tests::{Finished, Sandbox, tiny};
 use rustix::process::Signal;
 
 const SIX: &str = "{ suite = \"six\" }";
@@ -30,6 +30,45 @@ fn a_cancelled_sweep_submitted_again_computes_the_rest_alone() {
     );
     assert_eq!(again["jobs"]["new"], 0);
     assert_eq!(run(&["watch", sweep]).code, Some(0));
+}
+
+#[test]
+fn an_archive_without_its_states_answers_at_once() {
+    let sandbox = Sandbox::new();
+    sandbox.write("tiny.toml", &tiny(12, "[1]", SIX));
+    let run = |data: &str| {
+        let place = ["--data", data, "--archive", "archive", "--json"];
+        sandbox
+            .run(&[&["run", "tiny.toml"], &place[..]].concat())
+            .expect(0)
+    };
+    let computed = run("first");
+    // States are large and soon made again: who passes an archive on leaves them out.
+    let files = || {
+        let files = std::fs::read_dir(sandbox.path("archive")).expect("a directory");
+        files.map(|file| file.expect("a file").path())
+    };
+    let states: Vec<_> = { files() }
+        .filter(|file| file.extension().is_some_and(|end| end == "state"))
+        .collect();
+    assert_eq!(states.len(), 2);
+    for state in states {
+        std::fs::remove_file(state).expect("removed");
+    }
+    let left = files().count();
+    let again = run("second");
+    assert!(
+        again.stderr.contains("6 of 6 already done"),
+        "{}",
+        again.stderr
+    );
+    assert_eq!(files().count(), left);
+    let results = |of: &Finished| {
+        let rows = of.json()["points"]["items"].clone();
+        let rows = rows.as_array().expect("a list").iter();
+        rows.map(|row| row["results"].clone()).collect::<Vec<_>>()
+    };
+    assert_eq!(results(&again), results(&computed));
 }
 
 #[test]

@@ -76,6 +76,14 @@ impl Archive {
         })
     }
 
+    /// What one stage yielded, with its wall and CPU time; none if anything of it is missing, or it failed.
+    #[must_use]
+    pub fn outcome(&self, spec: &StageSpec) -> Option<(Outcome, [Duration; 2])> {
+        let found = self.find(std::slice::from_ref(spec))?;
+        let outcome = found.results.into_iter().next()?.ok()?;
+        Some((outcome, [found.wall, found.cpu]))
+    }
+
     /// Keeps what ended of an ensemble; that it cannot is no failure of the work.
     pub(crate) fn keep(&self, specs: &[StageSpec], finished: &Finished, resumed: bool) {
         let share = |time: Duration| time.as_secs_f64() / specs.len().max(1) as f64;

@@ -196,7 +196,7 @@ fn scalars(outcome: &JobOutcome) -> Value {
     scalars
 }
 
-async fn outcome_add(
+pub(super) async fn outcome_add(
     transaction: &mut Writing,
     lease: LeaseId,
     job: i64,

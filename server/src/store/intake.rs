@@ -50,6 +50,8 @@ impl Store {
             }
             None => insert(&mut transaction, plan, &identity).await?,
         };
+        let spared = self.archived_take(&mut transaction, sweep, submission.dry_run);
+        let new = new.saturating_sub(spared.await?);
         if let Some(key) = &submission.idempotency_key {
             key_note(&mut transaction, key, &identity, sweep).await?;
         }

@@ -160,7 +160,7 @@ pub(super) async fn job_progress(
     Ok(progress.rows_affected() == 1)
 }
 
-/// leased → done.
+/// leased → done; or blocked, ready → done, for an archived outcome.
 pub(super) async fn job_done(transaction: &mut Writing, id: i64) -> Result<(), StoreError> {
     const DONE: &str = "
         update job set state = 'done', lease = null, checkpoint = null, checkpoint_step = null where id = $1";
@@ -266,6 +266,26 @@ pub(super) async fn job_cancel_unwanted(
            and not exists (select 1 from want w join sweep s on s.id = w.sweep
                             where w.job = job.id and s.state <> 'cancelled')";
     in_spans(transaction, sweep, CANCEL).await
+}
+
+/// blocked, ready → cancelled, for what `sweep` wants only for others that need it, once none of those is to be done.
+pub(super) async fn job_cancel_needless(
+    transaction: &mut Writing,
+    sweep: i64,
+) -> Result<u64, StoreError> {
+    const CANCEL: &str = "
+        update job set state = 'cancelled'
+         where id >= $2 and id < $3 and state in ('blocked', 'ready')
+           and exists (select 1 from want w where w.job = job.id and w.sweep = $1 and w.points = 0)
+           and exists (select 1 from job n where n.needs = job.id)
+           and not exists (select 1 from job n where n.needs = job.id and n.state in ('blocked', 'ready', 'leased'))
+           and not exists (select 1 from want w where w.job = job.id and w.points > 0)";
+    // Recalls and bends need trains and jams, and these packs and growths.
+    let mut cancelled = 0;
+    for _ in 0..2 {
+        cancelled += in_spans(transaction, sweep, CANCEL).await?;
+    }
+    Ok(cancelled)
 }
 
 /// cancelled → ready, blocked or failed, for the jobs that `sweep` wants again.

@@ -5,9 +5,10 @@ use sqlx::SqlitePool;
 use super::StoreError;
 
 /// Never edited after release, only added to.
-const MIGRATIONS: [&str; 1] = [include_str!(
-    "../../../migrations/sqlite/0001_queue_and_results.sql"
-)];
+const MIGRATIONS: [&str; 2] = [
+    include_str!("../../../migrations/sqlite/0001_queue_and_results.sql"),
+    include_str!("../../../migrations/sqlite/0002_archived_outcomes.sql"),
+];
 
 /// Brings the database to the newest schema; refuses one that is newer still.
 pub(super) async fn migrate(writer: &SqlitePool) -> Result<(), StoreError> {

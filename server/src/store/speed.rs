@@ -74,7 +74,7 @@ async fn open_jobs(
           from (select j.ensemble as ensemble, count(*) as jobs,
                        total(1.0 - case when j.steps > 0 then min(1.0, 1.0 * j.step / j.steps) else 0.0 end) as undone
                   from want w join job j on j.id = w.job
-                 where w.sweep = $1 and w.state in ('blocked', 'ready', 'leased', 'cancelled')
+                 where w.sweep = $1 and w.state in ('blocked', 'ready', 'leased')
                  group by j.ensemble) u
           join ensemble e on e.id = u.ensemble
          group by e.class";

@@ -2,6 +2,7 @@
 
 mod harness;
 
+mod archived;
 mod artifacts;
 mod beam;
 mod endings;

@@ -123,7 +123,7 @@ async fn restart_loses_nothing_and_repeats_nothing() {
 
 #[tokio::test]
 async fn schema_allows_exactly_the_moves_of_the_queue() {
-    let migration = include_str!("../../../migrations/sqlite/0001_queue_and_results.sql");
+    let migration = include_str!("../../../migrations/sqlite/0002_archived_outcomes.sql");
     for from in JobState::ALL {
         for to in JobState::ALL {
             let named = migration.contains(&format!("'{from}>{to}'"));
