@@ -38,6 +38,8 @@ pub(super) struct Place {
     pub(super) bounds: Bounds,
     /// The first place of its contact.
     pub(super) contact: usize,
+    /// Behind which sides there is another place, a bit to each.
+    pub(super) joined: u8,
 }
 
 impl Place {
@@ -47,10 +49,10 @@ impl Place {
         [self.corners[s], self.corners[(s + 1) % 3]]
     }
 
-    /// The side that has these ends.
+    /// The side from this corner to the next; neighbors run their common side in opposite directions.
     #[inline(always)]
-    fn side_between(&self, [from, to]: [u32; 2]) -> Option<usize> {
-        (0..3).find(|&s| self.corners[s] == from && self.corners[(s + 1) % 3] == to)
+    fn side_from(&self, corner: u32) -> usize {
+        usize::from(self.corners[1] == corner) + 2 * usize::from(self.corners[2] == corner)
     }
 }
 
@@ -117,7 +119,7 @@ impl Patch {
         for k in 0..self.places.len() {
             self.places[k].contact = k;
             corners |= self.places[k].bounds.any_corner();
-            self.find_between(k);
+            self.find_between(mesh, k);
         }
         for k in 0..self.places.len() {
             self.add_triangle(k);
@@ -132,12 +134,16 @@ impl Patch {
 
     /// Finds the sides between place `k` and earlier ones.
     #[inline(always)]
-    fn find_between(&mut self, k: usize) {
+    fn find_between(&mut self, mesh: &Mesh, k: usize) {
+        let over = mesh.over_sides(self.places[k].triangle);
         for earlier in 0..k {
+            let triangle = Some(self.places[earlier].triangle);
             for s in 0..3 {
-                // Neighbors run their common side in opposite directions.
-                let ends @ [from, to] = self.places[k].side(s);
-                if let Some(other) = self.places[earlier].side_between([to, from]) {
+                if over[s] == triangle {
+                    let ends @ [_, to] = self.places[k].side(s);
+                    let other = self.places[earlier].side_from(to);
+                    self.places[k].joined |= 1 << s;
+                    self.places[earlier].joined |= 1 << other;
                     self.between.push(Between {
                         places: [k, earlier],
                         sides: [s, other],
@@ -154,11 +160,7 @@ impl Patch {
         let place = &self.places[k];
         let counts = match place.part {
             Part::Face => true,
-            Part::Side(s) => {
-                let own =
-                    |side: &Between| side.places.iter().zip(side.sides).any(|at| at == (&k, s));
-                !self.between.iter().any(own)
-            }
+            Part::Side(s) => place.joined >> s & 1 == 0,
             Part::Corner(_) => false,
         };
         if counts {

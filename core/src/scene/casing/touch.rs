@@ -144,8 +144,9 @@ impl Finder {
                 self.add_one(ball, &place(mesh, ball, only));
                 return;
             }
-            let places = reaches.iter().map(|reach| place(mesh, ball, reach));
-            self.patch.places.extend(places);
+            for reach in reaches {
+                self.patch.places.push(place(mesh, ball, reach));
+            }
         } else {
             let places = reaches
                 .iter()
@@ -334,6 +335,7 @@ fn place(mesh: &Mesh, ball: &Ball<'_>, reach: &Reach) -> Place {
         overlap: ball.sphere.radius - reach.depth(),
         bounds: reach.bounds,
         contact: 0,
+        joined: 0,
     }
 }
 
