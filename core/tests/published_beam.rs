@@ -18,14 +18,14 @@ const COMPACTED: [f64; 1] = [100.0];
 /// E_p \[MPa\] of all beams that are archived.
 const BENT: [f64; 1] = [100.0];
 
-/// μ of the packings of protocol A.
+/// μ of the packings and beams of protocol A.
 const FRICTIONS: [f64; 7] = [0.0, 0.1, 0.2, 0.3, 0.6, 0.9, 1.2];
-
-/// μ of the beams of protocol A that are archived.
-const OF_A: [f64; 4] = [0.0, 0.1, 0.2, 0.3];
 
 /// μ of the beams of protocol B.
 const OF_B: [f64; 4] = [0.3, 0.6, 0.9, 1.2];
+
+/// E_p \[MPa\] and μ of beams of protocol B that are archived for every one of these E_p, from soft to hard.
+const OF_STIFFNESS: ([f64; 2], [f64; 2]) = ([5.0, 100.0], [0.3, 0.6]);
 
 /// What is archived of a stage under its identity.
 fn archived(spec: &StageSpec, ending: &str) -> Value {
@@ -63,9 +63,10 @@ fn bend(point: &BeamPoint) -> StageSpec {
 
 /// A number of every beam of a protocol, by friction.
 fn bent(protocol: &str, modulus: f64, name: &str) -> Vec<f64> {
-    let frictions = if protocol == "A" { OF_A } else { OF_B };
-    let value = |friction: f64| number(&outcome(&bend(&point(protocol, modulus, friction))), name);
-    frictions.into_iter().map(value).collect()
+    let frictions: &[f64] = if protocol == "A" { &FRICTIONS } else { &OF_B };
+    let value =
+        |friction: &f64| number(&outcome(&bend(&point(protocol, modulus, *friction))), name);
+    frictions.iter().map(value).collect()
 }
 
 /// A number of every packing of protocol A, by friction.
@@ -114,7 +115,25 @@ fn friction_up_to_0_3_strengthens_beams_of_protocol_a() {
     }
 }
 
-/// T4: protocol A: smooth grains make the softest beam, by far.
+/// T1, T2: harder grains make a stiffer and stronger beam; E_b rises with a power of E_p from 0.35 to 0.75.
+#[test]
+fn harder_grains_make_stiffer_and_stronger_beams() {
+    let (moduli, frictions) = OF_STIFFNESS;
+    for friction in frictions {
+        let found = moduli.map(|modulus| {
+            let beam = outcome(&bend(&point("B", modulus, friction)));
+            ["beam_stiffness", "ultimate_strength"].map(|name| number(&beam, name))
+        });
+        for (ends, pair) in moduli.windows(2).zip(found.windows(2)) {
+            assert!(pair[0][1] < pair[1][1], "{friction}: {found:?}");
+            let exponent = (pair[1][0] / pair[0][0]).ln() / (ends[1] / ends[0]).ln();
+            println!("{friction}: E_b rises like E_p^{exponent:.3}");
+            assert!((0.35..0.75).contains(&exponent), "{friction}: {found:?}");
+        }
+    }
+}
+
+/// T4: protocol A: smooth grains make the softest beam, by far, and much friction does not make a stiffer one.
 #[test]
 fn smooth_grains_are_the_softest_of_protocol_a() {
     for modulus in BENT {
@@ -124,6 +143,7 @@ fn smooth_grains_are_the_softest_of_protocol_a() {
             rough.all(|rough| *rough > 1.5 * stiffness[0]),
             "{stiffness:?}"
         );
+        assert!(stiffness[6] <= 1.05 * stiffness[3], "{stiffness:?}");
     }
 }
 
@@ -142,13 +162,20 @@ fn stiffness_of_protocol_b_does_not_depend_on_friction() {
     }
 }
 
-/// T6: hard grains: friction strengthens a packing.
+/// T6: hard grains: friction strengthens a packing, and less one that was compacted with it.
 #[test]
 fn strength_of_protocol_b_grows_with_friction() {
     for modulus in BENT {
         let strengths = bent("B", modulus, "ultimate_strength");
         let mut pairs = strengths.windows(2);
         assert!(pairs.all(|pair| pair[0] < pair[1]), "{strengths:?}");
+        for friction in [0.6, 0.9, 1.2] {
+            let of = |protocol| {
+                let beam = outcome(&bend(&point(protocol, modulus, friction)));
+                number(&beam, "ultimate_strength")
+            };
+            assert!(of("B") > of("A"), "{friction}");
+        }
     }
 }
 

@@ -10,7 +10,7 @@ use tokio::sync::{OwnedSemaphorePermit, oneshot, watch};
 
 use crate::archive::Archive;
 use crate::held::{Signals, Word};
-use crate::machine::thread_cpu_time;
+use crate::machine::{charge_help, thread_cpu_time};
 
 /// What becomes of one job.
 pub type StageResult = Result<Outcome, StageFailure>;
@@ -28,8 +28,12 @@ pub fn core_engine(threads: usize) -> Engine {
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(threads)
             .use_current_thread();
-        let _pool = (threads > 1).then(|| pool.build());
-        granary_core::stage::run(ensemble, watch)
+        let pool = (threads > 1).then(|| pool.build());
+        let results = granary_core::stage::run(ensemble, watch);
+        if let Some(Ok(pool)) = &pool {
+            charge_help(pool);
+        }
+        results
     })
 }
 

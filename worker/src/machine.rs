@@ -1,5 +1,6 @@
 //! What the worker knows about the machine that it runs on.
 
+use std::cell::Cell;
 use std::time::Duration;
 
 use granary_core::lanes::VectorWidth;
@@ -44,14 +45,33 @@ pub fn target() -> String {
     )
 }
 
-/// CPU time that the calling thread has used so far.
+thread_local! {
+    /// What threads used that helped this one.
+    static HELP: Cell<Duration> = const { Cell::new(Duration::ZERO) };
+}
+
+/// CPU time that the calling thread has used so far, and what others were charged to it.
 #[must_use]
 pub fn thread_cpu_time() -> Duration {
     let time = clock_gettime(ClockId::ThreadCPUTime);
-    Duration::new(
+    let own = Duration::new(
         time.tv_sec.unsigned_abs(),
         time.tv_nsec.unsigned_abs() as u32,
-    )
+    );
+    own + HELP.get()
+}
+
+/// Charges the calling thread with the CPU time of all others of `pool`, which is at its end.
+pub fn charge_help(pool: &rayon::ThreadPool) {
+    let own = pool.current_thread_index();
+    let of_others = pool.broadcast(|thread| {
+        if Some(thread.index()) == own {
+            Duration::ZERO
+        } else {
+            thread_cpu_time()
+        }
+    });
+    HELP.set(HELP.get() + of_others.iter().sum::<Duration>());
 }
 
 #[cfg(test)]
@@ -65,6 +85,23 @@ mod tests {
             Some(2 << 20)
         );
         assert_eq!(total_memory("nothing of the kind"), None);
+    }
+
+    #[test]
+    fn what_another_thread_of_the_pool_did_is_charged() {
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(2)
+            .use_current_thread();
+        let pool = pool.build().expect("a thread");
+        let until = Duration::from_millis(20);
+        pool.broadcast(|thread| {
+            while thread.index() > 0 && thread_cpu_time() < until {
+                std::hint::spin_loop();
+            }
+        });
+        let before = thread_cpu_time();
+        charge_help(&pool);
+        assert!(thread_cpu_time() - before >= until);
     }
 
     #[test]
