@@ -44,7 +44,7 @@ bench: ## time the engine on this machine, on a pack of its own
 	$(GRANARY) bench $(ARGS)
 
 validate: ## long physics checks: WHAT=numerics|packs|beam
-	$(CARGO) test --release --locked -p granary-core --features validation --test validation -- --nocapture $(WHAT)
+	$(CARGO) test --release --locked -p granary-core --features validation --lib --test validation -- --nocapture $(WHAT)
 
 verify: ## long service checks: WHAT=crash|intake|service
 	$(CARGO) build --release --locked

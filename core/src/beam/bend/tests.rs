@@ -1,18 +1,22 @@
-//! B4 of the beam's checks: left is right.
+//! B3 and B4 of the beam's checks: what nothing pushes stays as it is, and left is right.
+
+#[cfg(feature = "validation")]
+mod lattice;
 
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 
 use super::*;
 use crate::beam::point::BeamPoint;
+use crate::beam::spec::GrowSpec;
 use crate::beam::{grow, jam};
 use crate::identity::StageId;
 use crate::lanes::VectorWidth;
-use crate::outcome::STATE;
+use crate::outcome::{HISTORY, STATE};
 use serde_json::json;
 
-/// A small soft beam, made and bent in haste.
-fn point() -> BeamPoint {
+/// A small soft beam, made and bent in haste but for `changes`.
+fn point(changes: serde_json::Value) -> BeamPoint {
     let mut map = BeamPoint::defaults("smoke").expect("a preset");
     let small = json!({
         "length": 0.06, "height": 0.012, "depth": 0.012, "membrane_edge": 3e-3,
@@ -21,7 +25,9 @@ fn point() -> BeamPoint {
         "rest_window": 0.005, "rest_volume_rate": 0.1, "rest_force_ratio": 0.05, "rest_energy_ratio": 1e-2,
         "background_damping": 100.0, "rod_speed": 0.05, "strain_end": 0.0025,
     });
-    map.extend(small.as_object().expect("parameters by name").clone());
+    for changes in [small, changes] {
+        map.extend(changes.as_object().expect("parameters by name").clone());
+    }
     BeamPoint::from_parameters(map).expect("valid parameters")
 }
 
@@ -35,6 +41,106 @@ fn finished(
         steps: 0,
     };
     stage(VectorWidth::widest(), &mut progress).unwrap_or_else(|failure| panic!("{failure}"))
+}
+
+/// The state of the compacted beam of a point.
+fn compacted(point: &BeamPoint) -> Vec<u8> {
+    let (grow, jam) = (point.grow(), point.jam(StageId::of_bytes(b"grown")));
+    let grown = finished(|width, progress| grow::run(&grow, "grow", None, width, progress));
+    let input = grown.artifacts[STATE].as_slice();
+    let jammed = finished(|width, progress| jam::run(&jam, "jam", (input, None), width, progress));
+    jammed.artifacts[STATE].clone()
+}
+
+/// How the beams of `point` are made again from their states.
+fn rig<'a>(grow: &'a GrowSpec, jam: &'a JamSpec) -> Rig<'a> {
+    Rig {
+        grow,
+        jam: Some(jam),
+        friction_coefficient: 0.3,
+        damping: 100.0,
+        width: VectorWidth::widest(),
+    }
+}
+
+/// The beam of `state` at rest between supports and rods that just touch it.
+fn mounted(
+    bench: &mut Bench<'_>,
+    (rig, state): (&Rig<'_>, &Snapshot<Past>),
+    progress: &mut Progress<'_>,
+) -> Run<Mindlin> {
+    let (mut run, _) = bench.begun::<Mindlin>(rig, state).expect("begun");
+    let Ok(Phase::Relax(rest)) = bench.release(&mut run, progress) else {
+        panic!("released");
+    };
+    let Ok(Phase::Bend(bending)) = bench.relax(&mut run, rest, progress) else {
+        panic!("at rest");
+    };
+    for rod in &mut run.beam.surroundings.press.rods {
+        rod.position[1] -= bending.drive.gap();
+    }
+    run
+}
+
+/// The rods touch the beam from the start, so they would feel it rise by a hair.
+#[test]
+fn beam_between_rods_at_rest_is_not_pushed_and_does_not_drift() {
+    let point = point(json!({
+        "rest_window": 0.05, "rest_volume_rate": 1e-3, "rest_force_ratio": 1e-3, "rest_energy_ratio": 1e-6,
+    }));
+    let bytes = compacted(&point);
+    let (grow, jam) = (point.grow(), point.jam(StageId::of_bytes(b"grown")));
+    let spec = point.bend(StageId::of_bytes(b"jammed"));
+    let bent = finished(|width, progress| run(&spec, "bend", (&bytes, None), width, progress));
+    let record: serde_json::Value =
+        serde_json::from_slice(&bent.artifacts[HISTORY]).expect("a record");
+    let column = |name: &str| {
+        let values = record[name].as_array().expect("a column").iter();
+        values
+            .map(|value| value.as_f64().expect("a number"))
+            .collect::<Vec<f64>>()
+    };
+    let at = column("strain").iter().position(|strain| *strain >= 0.002);
+    let pushed = column("force")[at.expect("bent so far")].abs();
+    let rig = rig(&grow, &jam);
+    let state = Snapshot::<Past>::from_bytes(&bytes).expect("a beam");
+    let places = places(
+        rig.membrane().expect("a membrane").mesh(),
+        grow.membrane_edge,
+    );
+    let mut bench = Bench {
+        spec: &spec,
+        past: &state.header,
+        jam: &jam,
+        stage: "bend",
+        places,
+    };
+    let mut go_on = |_: &crate::outcome::Report<'_>| ControlFlow::Continue(());
+    let mut progress = Progress {
+        watch: &mut go_on,
+        steps: 0,
+    };
+    let mut run = mounted(&mut bench, (&rig, &state), &mut progress);
+    let supports = bench.places.supports.concat();
+    let volume = |run: &Run<Mindlin>| run.beam.surroundings.membrane.mesh().volume();
+    let before = volume(&run);
+    let (mut felt, mut held, mut steps) = (0.0f64, 0.0, 0.0);
+    while run.time < 1.0 {
+        run.advance(&mut progress, &|_| vec![])
+            .expect("a stable step");
+        let casing = &run.beam.surroundings;
+        felt = felt.max(casing.press.rods.iter().map(|rod| rod.force.abs()).sum());
+        held += casing.membrane.reaction(&supports)[2];
+        steps += 1.0;
+    }
+    let held = (held / steps).abs();
+    let drift = volume(&run) / before - 1.0;
+    println!(
+        "B3: {felt:.2e} N on rods, {held:.2e} N on supports, {pushed:.2e} N at 0.002; volume {drift:.2e}"
+    );
+    assert!(felt <= 1e-3 * pushed, "{felt} {pushed}");
+    assert!(held <= 1e-3 * pushed, "{held} {pushed}");
+    assert!(drift.abs() < 1e-5, "{drift}");
 }
 
 fn flipped([x, y, z]: [f64; 3]) -> [f64; 3] {
@@ -90,21 +196,12 @@ fn mirrored(mut state: Snapshot<Past>, built: &Mesh) -> Snapshot<Past> {
 /// What differs is the order of sums, whose rounding grows from contact to contact while the beam is bent.
 #[test]
 fn mirrored_beam_is_as_stiff() {
-    let point = point();
+    let point = point(json!({}));
     let (grow, jam) = (point.grow(), point.jam(StageId::of_bytes(b"grown")));
     let bend = point.bend(StageId::of_bytes(b"jammed"));
-    let grown = finished(|width, progress| grow::run(&grow, "grow", None, width, progress));
-    let input = grown.artifacts[STATE].as_slice();
-    let jammed = finished(|width, progress| jam::run(&jam, "jam", (input, None), width, progress));
-    let bytes = &jammed.artifacts[STATE];
-    let state = Snapshot::<Past>::from_bytes(bytes).expect("a beam");
-    let rig = Rig {
-        grow: &grow,
-        jam: state.header.jam.as_ref(),
-        friction_coefficient: 0.0,
-        damping: 0.0,
-        width: VectorWidth::widest(),
-    };
+    let bytes = compacted(&point);
+    let state = Snapshot::<Past>::from_bytes(&bytes).expect("a beam");
+    let rig = rig(&grow, &jam);
     let built = rig.membrane().expect("a membrane");
     let image = mirrored(state.clone(), built.mesh());
     assert_ne!(image, state);

@@ -138,8 +138,8 @@ impl Patch {
         let over = mesh.over_sides(self.places[k].triangle);
         for earlier in 0..k {
             let triangle = Some(self.places[earlier].triangle);
-            for s in 0..3 {
-                if over[s] == triangle {
+            for (s, &beyond) in over.iter().enumerate() {
+                if beyond == triangle {
                     let ends @ [_, to] = self.places[k].side(s);
                     let other = self.places[earlier].side_from(to);
                     self.places[k].joined |= 1 << s;
