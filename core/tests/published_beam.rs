@@ -224,3 +224,126 @@ fn normal_force_and_volume_fraction_are_largest_at_the_ultimate_strength() {
         }
     }
 }
+
+/// The beams whose inside is archived, to ε = 0.06: E_p \[MPa\] and μ, protocol B.
+const LOOKED_INTO: [(f64, f64); 3] = [(100.0, 0.3), (100.0, 1.2), (10.0, 0.3)];
+
+/// What the inside of a beam does along its bending.
+struct Inside {
+    structure: Value,
+    /// ε_Y.
+    yield_strain: f64,
+}
+
+impl Inside {
+    fn of(modulus: f64, friction: f64) -> Self {
+        let spec = bend(&BeamPoint {
+            structure: true,
+            strain_end_over_yield: 0.0,
+            ..point("B", modulus, friction)
+        });
+        Self {
+            structure: archived(&spec, "structure"),
+            yield_strain: number(&outcome(&spec), "yield_strain"),
+        }
+    }
+
+    /// The mean of a number of the changes between snapshots, for ε from `from` to `to`; the median, as single bursts stand out.
+    fn median(&self, (from, to): (f64, f64), value: impl Fn(&Value) -> Option<f64>) -> f64 {
+        let changes = self.structure["changes"].as_array().expect("a list");
+        let strain = |change: &Value| change["strain"].as_f64().unwrap_or(0.0);
+        let within = changes
+            .iter()
+            .filter(|change| (from..to).contains(&strain(change)));
+        let mut values: Vec<f64> = within.filter_map(value).collect();
+        values.sort_by(f64::total_cmp);
+        values[values.len() / 2]
+    }
+
+    /// The median of ⟨Δφ⟩ or ⟨D_min⟩ in a half of the beam.
+    fn half(&self, strains: (f64, f64), name: &str, half: &str) -> f64 {
+        self.median(strains, |change| change[name][half].as_f64())
+    }
+}
+
+/// T8: packings are amorphous.
+#[test]
+fn packings_are_amorphous() {
+    for (modulus, friction) in LOOKED_INTO {
+        let inside = Inside::of(modulus, friction);
+        let order = inside.structure["snapshots"][0]["bond_order"]["bulk"]["global"].as_f64();
+        let order = order.expect("a bulk");
+        assert!(order < 0.05, "{modulus}, {friction}: {order}");
+    }
+}
+
+/// T12: the top half is compressed until the beam yields, and less and less after; the bottom half dilates, the more the longer.
+#[test]
+fn top_is_compressed_until_the_yield_and_the_bottom_dilates() {
+    for (modulus, friction) in LOOKED_INTO {
+        let inside = Inside::of(modulus, friction);
+        let at = inside.yield_strain;
+        let parts = [
+            (0.0, 0.5 * at),
+            (0.5 * at, at),
+            (at, 1.5 * at),
+            (1.5 * at, 0.06),
+        ];
+        let of = |half| parts.map(|part| inside.half(part, "volume_fraction_change", half));
+        let (top, bottom) = (of("top"), of("bottom"));
+        println!("{modulus} MPa, {friction}: top {top:?}, bottom {bottom:?}");
+        assert!(top[0] > 0.0 && top[1] > 0.0, "{top:?}");
+        assert!(fall(&top) && top[3] < 0.15 * top[0], "{top:?}");
+        assert!(
+            fall(&bottom) && bottom[1..].iter().all(|change| *change < 0.0),
+            "{bottom:?}"
+        );
+    }
+}
+
+/// T13: grains move more by themselves in the top half early, in the bottom half late.
+#[test]
+fn grains_rearrange_first_at_the_top_and_then_at_the_bottom() {
+    for (modulus, friction) in LOOKED_INTO {
+        let inside = Inside::of(modulus, friction);
+        let ratio = |strains| {
+            let of = |half| inside.half(strains, "non_affine", half);
+            of("top") / of("bottom")
+        };
+        let (early, late) = (
+            ratio((0.0, 0.003)),
+            ratio((1.5 * inside.yield_strain, 0.06)),
+        );
+        println!("{modulus} MPa, {friction}: top over bottom {early:.2}, then {late:.2}");
+        assert!(early > 1.0 && late < 0.7, "{early} {late}");
+    }
+}
+
+/// T16: the neutral plane rises through the beam.
+#[test]
+fn neutral_plane_rises() {
+    for (modulus, friction) in LOOKED_INTO {
+        let inside = Inside::of(modulus, friction);
+        let at = inside.yield_strain;
+        let height = |change: &Value| {
+            // Between the rods, a sixth of the span to either side.
+            let slabs = change["neutral_plane"].as_array()?.iter();
+            let between = slabs.filter(|slab| slab["x"].as_f64().is_some_and(|x| x.abs() < 0.04));
+            let heights: Vec<f64> = between.filter_map(|slab| slab["height"].as_f64()).collect();
+            Some(heights.iter().sum::<f64>() / heights.len() as f64)
+        };
+        let parts = [
+            (0.0, 0.005),
+            (0.4 * at, 0.8 * at),
+            (0.8 * at, 1.2 * at),
+            (1.2 * at, 1.6 * at),
+        ];
+        let heights = parts.map(|part| inside.median(part, height));
+        println!("{modulus} MPa, {friction}: {heights:?} m above the middle");
+        assert!(
+            heights.windows(2).all(|pair| pair[0] < pair[1]),
+            "{heights:?}"
+        );
+        assert!(heights[0] < 0.0 && heights[3] > 0.0, "{heights:?}");
+    }
+}
