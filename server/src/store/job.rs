@@ -288,7 +288,7 @@ pub(super) async fn job_cancel_needless(
     Ok(cancelled)
 }
 
-/// cancelled → ready, blocked or failed, for the jobs that `sweep` wants again.
+/// cancelled → ready, blocked or failed, for the jobs that `sweep` wants again, but for what only archived outcomes needed.
 pub(super) async fn job_revive(transaction: &mut Writing, sweep: i64) -> Result<u64, StoreError> {
     const ANY: &str = "select exists (select 1 from want where sweep = $1 and state = 'cancelled')";
     const REVIVE: &str = "
@@ -306,7 +306,8 @@ pub(super) async fn job_revive(transaction: &mut Writing, sweep: i64) -> Result<
     if !any.fetch_one(&mut **transaction).await? {
         return Ok(0);
     }
-    in_spans(transaction, sweep, REVIVE).await
+    let revived = in_spans(transaction, sweep, REVIVE).await?;
+    Ok(revived - job_cancel_needless(transaction, sweep).await?.min(revived))
 }
 
 /// poisoned, failed by the machine → ready, for the jobs of `sweep`; and failed → blocked for all that need such jobs.

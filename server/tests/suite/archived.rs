@@ -75,7 +75,10 @@ async fn archived_points_are_done_at_once_and_nothing_is_prepared_for_them() {
     let summary = fresh.store.sweep_read(sweep).await.expect("the sweep");
     assert_eq!(summary.state, SweepState::Finished);
     assert_eq!(points(&fresh, &sweep.to_string()).await, table);
-    // One more needs the packing that the others did not.
+    // The same points in another sweep need no packing either, and where one more is wanted it is made.
+    let fewer = fresh.submit(&beams(&[0.3, 0.6])).await;
+    assert_eq!((fewer.points_done, fewer.jobs.new), (2, 0));
+    assert!(fresh.take().await.is_none());
     let more = fresh.submit(&beams(&[0.3, 1.2])).await;
     assert_eq!(more.points_done, 1);
     let done = fresh.work().await;
