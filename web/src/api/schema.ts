@@ -465,7 +465,7 @@ export interface components {
             done: number;
             /**
              * Format: int64
-             * @description Not known before.
+             * @description Not known before, and in no archive.
              */
             new: number;
             /**
