@@ -72,6 +72,7 @@ pub(crate) struct Change {
 #[derive(Clone, Debug, Deserialize)]
 pub(crate) struct HeightBin {
     pub(crate) height: f64,
+    pub(crate) count: usize,
 }
 
 /// The distances at which D_min is compared.

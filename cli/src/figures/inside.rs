@@ -210,14 +210,25 @@ pub(super) fn autocorrelation(data: &Data) -> Drawing {
     side_by_side([chart], 1)
 }
 
+/// A bin with this part of the grains of the fullest one, or fewer, is not drawn: single grains that stick out.
+const FEW: f64 = 0.02;
+
 /// The dots of a height profile.
 fn profile(structure: &Structure, bin: &StressBin) -> Vec<Dot> {
-    let heights = structure
-        .changes
-        .first()
-        .map(|change| &change.height_profile);
-    let places = heights.into_iter().flatten().map(|at| at.height * 1e3);
-    dots(places, &bin.mean)
+    let Some(first) = structure.changes.first() else {
+        return vec![];
+    };
+    let grains = |k: usize| -> usize {
+        let changes = structure.changes.iter();
+        let bins = changes.filter_map(|change| change.height_profile.get(k));
+        bins.map(|bin| bin.count).sum()
+    };
+    let fullest = (0..first.height_profile.len()).map(grains).max();
+    let enough = |k: usize| grains(k) as f64 > FEW * fullest.unwrap_or(0) as f64;
+    let kept = { first.height_profile.iter().zip(&bin.mean).enumerate() };
+    kept.filter(|(k, _)| enough(*k))
+        .filter_map(|(_, (at, mean))| mean.map(|mean| Dot::new(at.height * 1e3, mean)))
+        .collect()
 }
 
 /// Figure 14.

@@ -242,11 +242,12 @@ fn inside() -> Structure {
         "snapshots": [{"stress": 0.0, "pair_correlation":
             {"distances": [0.005, 0.010], "paper": {"all": [0.5, 0.3], "bulk": null}, "normalized": []}}],
         "changes": [{"stress": 180e3, "non_affine": {"all": 5e-5, "bulk": null},
-            "height_profile": [{"height": -0.005, "value": 1.0, "count": 1}, {"height": 0.0, "value": null, "count": 0}],
+            "height_profile": [{"height": -0.005, "value": 1.0, "count": 100},
+                {"height": 0.0, "value": null, "count": 0}, {"height": 0.005, "value": 9.0, "count": 1}],
             "autocorrelation": {"distances": [0.0, 0.005], "printed": [], "connected": [], "decay_length": null},
             "displacement": {"low": [0.0, 0.0, 0.0], "spacing": [0.01, 1.0, 0.01], "count": [2, 1, 1],
                 "values": [[1e-6, 0.0, 0.0], null]}}],
-        "by_stress": {"height_profile": [{"from": 175e3, "curves": 1, "mean": [1.1, null]}],
+        "by_stress": {"height_profile": [{"from": 175e3, "curves": 1, "mean": [1.1, null, 9.0]}],
             "autocorrelation": [{"from": 175e3, "curves": 1, "mean": [0.5, 0.4]}]},
     }))
     .expect("a structure")
