@@ -25,7 +25,7 @@ const FRICTIONS: [f64; 7] = [0.0, 0.1, 0.2, 0.3, 0.6, 0.9, 1.2];
 const OF_B: [f64; 4] = [0.3, 0.6, 0.9, 1.2];
 
 /// E_p \[MPa\] and μ of beams of protocol B that are archived for every one of these E_p, from soft to hard.
-const OF_STIFFNESS: ([f64; 2], [f64; 2]) = ([5.0, 100.0], [0.3, 0.6]);
+const OF_STIFFNESS: ([f64; 2], [f64; 4]) = ([5.0, 100.0], OF_B);
 
 /// What is archived of a stage under its identity.
 fn archived(spec: &StageSpec, ending: &str) -> Value {
