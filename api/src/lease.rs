@@ -7,7 +7,7 @@
 use std::collections::BTreeMap;
 
 use granary_core::identity::{ArtifactHash, ResultHash, canonical_json};
-use granary_core::stage::{StageFailure, StageSpec};
+use granary_core::stage::{Outcome, StageFailure, StageSpec};
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
@@ -134,6 +134,35 @@ struct HashedOutcome<'a> {
 }
 
 impl JobOutcome {
+    /// What is reported of `job`, and the files that this names; steps and hash are the outcome's.
+    #[must_use]
+    pub fn new(
+        job: JobId,
+        outcome: Outcome,
+        provenance: Provenance,
+    ) -> (Self, BTreeMap<ArtifactHash, Vec<u8>>) {
+        let result_hash = outcome.hash();
+        let (mut artifacts, mut files) = (BTreeMap::new(), BTreeMap::new());
+        for (name, bytes) in outcome.artifacts {
+            let hash = ArtifactHash::of_bytes(&bytes);
+            artifacts.insert(name, hash);
+            files.insert(hash, bytes);
+        }
+        let reported = Self {
+            job,
+            results: outcome.results,
+            reasons: outcome.reasons,
+            artifacts,
+            warnings: outcome.warnings,
+            result_hash,
+            provenance: Provenance {
+                steps: outcome.steps,
+                ..provenance
+            },
+        };
+        (reported, files)
+    }
+
     /// The hash that what is reported has, whatever `result_hash` says.
     #[must_use]
     pub fn hash(&self) -> ResultHash {

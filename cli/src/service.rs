@@ -65,11 +65,12 @@ struct Known(Archive);
 
 impl granary_server::Archive for Known {
     fn find(&self, spec: &StageSpec) -> Option<Archived> {
-        let (outcome, [wall, cpu]) = self.0.outcome(spec)?;
+        let kept = self.0.outcome(spec)?;
         Some(Archived {
-            outcome,
-            wall_s: wall.as_secs_f64(),
-            cpu_s: cpu.as_secs_f64(),
+            outcome: kept.outcome,
+            engine_version: kept.engine_version,
+            wall_s: kept.wall_s,
+            cpu_s: kept.cpu_s,
         })
     }
 }

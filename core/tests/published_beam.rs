@@ -248,7 +248,7 @@ impl Inside {
         }
     }
 
-    /// The mean of a number of the changes between snapshots, for ε from `from` to `to`; the median, as single bursts stand out.
+    /// The median of a number of the changes between snapshots for ε from `from` to `to`: single bursts do not move it.
     fn median(&self, (from, to): (f64, f64), value: impl Fn(&Value) -> Option<f64>) -> f64 {
         let changes = self.structure["changes"].as_array().expect("a list");
         let strain = |change: &Value| change["strain"].as_f64().unwrap_or(0.0);

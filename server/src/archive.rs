@@ -15,6 +15,8 @@ pub trait Archive: Debug + Send + Sync {
 pub struct Archived {
     /// What it yielded, artifacts included.
     pub outcome: Outcome,
+    /// The release that computed it.
+    pub engine_version: String,
     /// Wall time \[s\].
     pub wall_s: f64,
     /// CPU time \[s\].

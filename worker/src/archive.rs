@@ -22,6 +22,19 @@ pub struct Archive {
     directory: PathBuf,
 }
 
+/// An outcome that was kept, and how it was computed.
+#[derive(Clone, Debug)]
+pub struct Kept {
+    /// What the stage yielded.
+    pub outcome: Outcome,
+    /// The release that computed it.
+    pub engine_version: String,
+    /// Its share of its ensemble's wall time \[s\].
+    pub wall_s: f64,
+    /// And of its CPU time \[s\].
+    pub cpu_s: f64,
+}
+
 /// What is kept of one stage besides its artifacts.
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -76,12 +89,16 @@ impl Archive {
         })
     }
 
-    /// What one stage yielded, with its wall and CPU time; none if anything of it is missing, or it failed.
+    /// What one stage yielded; none if anything of it is missing, or it failed.
     #[must_use]
-    pub fn outcome(&self, spec: &StageSpec) -> Option<(Outcome, [Duration; 2])> {
-        let found = self.find(std::slice::from_ref(spec))?;
-        let outcome = found.results.into_iter().next()?.ok()?;
-        Some((outcome, [found.wall, found.cpu]))
+    pub fn outcome(&self, spec: &StageSpec) -> Option<Kept> {
+        let (result, entry) = self.read(spec)?;
+        Some(Kept {
+            outcome: result.ok()?,
+            engine_version: entry.engine,
+            wall_s: entry.wall_s,
+            cpu_s: entry.cpu_s,
+        })
     }
 
     /// Keeps what ended of an ensemble; that it cannot is no failure of the work.

@@ -64,25 +64,11 @@ impl Report {
     }
 
     fn add_outcome(&mut self, job: &LeasedJob, outcome: Outcome, provenance: &Provenance) {
-        let result_hash = outcome.hash();
-        let mut artifacts = BTreeMap::new();
-        for (name, bytes) in outcome.artifacts {
-            let hash = ArtifactHash::of_bytes(&bytes);
-            self.artifacts.insert(hash, Bytes::from(bytes));
-            artifacts.insert(name, hash);
-        }
-        self.completion.outcomes.push(JobOutcome {
-            job: job.job,
-            results: outcome.results,
-            reasons: outcome.reasons,
-            artifacts,
-            warnings: outcome.warnings,
-            result_hash,
-            provenance: Provenance {
-                steps: outcome.steps,
-                ..provenance.clone()
-            },
-        });
+        let (outcome, files) = JobOutcome::new(job.job, outcome, provenance.clone());
+        let files = files.into_iter();
+        self.artifacts
+            .extend(files.map(|(hash, bytes)| (hash, Bytes::from(bytes))));
+        self.completion.outcomes.push(outcome);
     }
 
     pub(crate) fn is_empty(&self) -> bool {

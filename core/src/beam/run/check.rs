@@ -54,8 +54,7 @@ impl<T: Friction> Run<T> {
                 "a time step of {} of the critical one, {critical:.2e} s, is not stable",
                 self.fraction
             );
-            let remedy =
-                "use a time_step_fraction and preparation_time_step_fraction of at most 0.8";
+            let remedy = "use a time_step_fraction of at most 0.8 and a preparation_time_step_fraction of at most 0.4";
             return Err(self.failed("unstable", detail, remedy));
         }
         self.check_energy()?;
