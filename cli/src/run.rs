@@ -68,7 +68,13 @@ pub(crate) async fn compute(
         client.steer(sweep, "resume").await?;
     }
     service.stay_alone().await?;
-    service.work(threads.unwrap_or_else(all_cores));
+    let threads = threads.unwrap_or_else(all_cores);
+    if submitted.points == submitted.points_done + 1 {
+        // Nothing else could use the others meanwhile.
+        service.work_by(1, threads);
+    } else {
+        service.work(threads);
+    }
     tokio::select! {
         finished = watch::follow(client, sweep) => finished.map(Some),
         ended = service.watch() => {

@@ -23,9 +23,9 @@ pub(crate) struct Args {
     /// Engine threads, each with its own lease; all cores by default.
     #[arg(long, env = "GRANARY_THREADS", value_name = "N")]
     threads: Option<usize>,
-    /// How many of these threads one job gets: with 2, a single beam comes sooner, and as many as before later.
+    /// How many of these threads one job gets: with 2, a single beam or pack comes sooner, and as many as before later.
     #[arg(long, env = "GRANARY_THREADS_PER_JOB", value_name = "N", default_value_t = 1,
-        value_parser = clap::value_parser!(u8).range(1..=2))]
+        value_parser = clap::value_parser!(u8).range(1..=16))]
     threads_per_job: u8,
     /// What this worker calls itself; host and process by default.
     #[arg(long, env = "GRANARY_WORKER_NAME")]

@@ -53,7 +53,7 @@ pub fn spatial_order(poses: &[Pose]) -> Vec<usize> {
 #[derive(Clone, Debug)]
 pub struct Grains<R: Row> {
     /// The shared reference.
-    reference: Vec<Pose>,
+    pub(crate) reference: Vec<Pose>,
     /// Sphere centers from the center of mass in the reference, `spheres` to a grain.
     arms: Vec<[f64; 3]>,
     /// The same, rounded to the lanes' type.

@@ -9,6 +9,7 @@ use crate::neighbor::Key;
 use crate::shape::{Body, GradedSphere, Shape};
 use crate::wall::Walls;
 
+mod blocks;
 pub mod casing;
 pub(crate) mod contacts;
 mod interact;
@@ -17,7 +18,7 @@ mod motion;
 pub(crate) mod step;
 pub mod surroundings;
 pub(crate) mod survey;
-pub(crate) mod two;
+pub(crate) mod team;
 
 use casing::Casing;
 use contacts::{Contacts, Live};

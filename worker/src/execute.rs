@@ -20,7 +20,7 @@ pub type Engine = Arc<dyn Fn(&Ensemble<'_>, Watch<'_>) -> Vec<StageResult> + Sen
 
 /// The engine of `core`, with up to `threads` threads for each ensemble.
 ///
-/// The second halves the time of a step of a beam at best; further ones, and other experiments, gain nothing.
+/// Only lone runs of many grains share their steps out; to the others further threads are of no use.
 #[must_use]
 pub fn core_engine(threads: usize) -> Engine {
     Arc::new(move |ensemble, watch| {

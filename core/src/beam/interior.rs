@@ -31,7 +31,7 @@ impl Interior {
             tangential_force: contact.tangential_force,
         };
         let casing = &beam.surroundings;
-        let pressing = casing.held().iter().filter(|held| held.normal_force > 0.0);
+        let pressing = casing.held().filter(|held| held.normal_force > 0.0);
         let mesh = casing.membrane.mesh();
         Self {
             positions: (0..grains.len())

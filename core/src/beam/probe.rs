@@ -129,7 +129,6 @@ pub(super) fn energies<T: Friction>(beam: &Beam<T>, contacts: &[GrainContact]) -
     let casing = &beam.surroundings;
     let against = casing
         .held()
-        .iter()
         .map(|held| 0.4 * held.normal_force * held.overlap);
     let membrane = &casing.membrane;
     [

@@ -194,7 +194,7 @@ impl Rig<'_> {
         {
             return Err(input("a grain touches a triangle that is not there"));
         }
-        casing.hold(snapshot.held.clone());
+        casing.hold(&snapshot.held);
         let far = 1e9;
         let walls = Walls::at_rest([-far, far, -far, far, -far, far]);
         let mut beam = Scene::within(laws, grains, walls, casing);

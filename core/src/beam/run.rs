@@ -155,7 +155,7 @@ impl<T: Friction> Run<T> {
             self.look()?;
         }
         self.beam.step();
-        let touching = self.beam.touching() + self.beam.surroundings.held().len();
+        let touching = self.beam.touching() + self.beam.surroundings.held().count();
         self.contact_updates += touching as u64;
         self.step += 1;
         self.time += self.beam.laws.time_step;

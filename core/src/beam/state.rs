@@ -77,7 +77,7 @@ impl<H: Serialize + DeserializeOwned> Snapshot<H> {
             contacts,
             vertices: membrane.mesh().positions().to_vec(),
             velocities: membrane.velocities().to_vec(),
-            held: beam.surroundings.held().to_vec(),
+            held: beam.surroundings.held().copied().collect(),
         }
     }
 

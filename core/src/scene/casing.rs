@@ -10,6 +10,7 @@
 mod foot;
 mod heirs;
 mod near;
+mod part;
 mod patch;
 mod push;
 mod reach;
@@ -17,7 +18,7 @@ mod sheet;
 mod touch;
 
 use super::surroundings::{OnGrains, Surroundings};
-use crate::contact::TangentialLaw;
+use super::team;
 use crate::contact::mindlin::Mindlin;
 use crate::grains::Grains;
 use crate::lanes::{F64x1, F64x8, Kernel, Lane, Row, VectorWidth, dispatch};
@@ -25,13 +26,9 @@ use crate::material::Material;
 use crate::math::plain;
 use crate::membrane::Membrane;
 use crate::wall::press::{Plane, Rod, VertexBall};
-use heirs::Heirs;
 use near::Near;
-use patch::Sphere;
-use push::Pending;
-use reach::Reach;
+use part::{Around, Part};
 use sheet::Sheet;
-use touch::{Ball, Finder};
 
 /// How grains and membrane touch.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -98,18 +95,12 @@ pub struct Casing {
     pub grip: Grip,
     /// What presses on it.
     pub press: Press,
-    /// The contacts of the last step, by grains.
-    held: Vec<Held>,
     near: Near,
     /// Where the vertices were at the last renewal.
     built: Vec<[f64; 3]>,
     balls: Vec<sheet::Ball>,
-    reaches: Vec<Reach>,
-    finder: Finder,
-    heirs: Heirs,
-    pending: Vec<Pending>,
-    /// Force and torque of every contact on its grain.
-    pushes: Vec<F64x8>,
+    /// The contacts, some neighboring grains to a part.
+    parts: Vec<Part>,
 }
 
 impl Casing {
@@ -125,14 +116,13 @@ impl Casing {
     }
 
     /// The contacts of the last step, by grains.
-    #[must_use]
-    pub fn held(&self) -> &[Held] {
-        &self.held
+    pub fn held(&self) -> impl Iterator<Item = &Held> {
+        self.parts.iter().flat_map(|part| &part.held)
     }
 
     /// Gives back the contacts of a step before.
-    pub fn hold(&mut self, held: Vec<Held>) {
-        self.held = held;
+    pub fn hold(&mut self, held: &[Held]) {
+        part::share_out(self.near.pairs(), held, &mut self.parts);
     }
 
     /// Where `grains` and the membrane push each other as both are now: once for every foot.
@@ -167,136 +157,64 @@ impl Casing {
         }
     }
 
-    /// Finds where every grain touches the membrane.
-    #[inline(always)]
-    fn find<W: Lane<Row = F64x8, Scalar = f64>>(&mut self, grains: &Grains<F64x1>) {
-        self.reach::<W>(grains);
-        self.finder.clear();
-        for reaches in self.reaches.chunk_by(|a, b| a.pair[0] == b.pair[0]) {
-            let ball = ball(&self.balls, &self.held, reaches[0].pair[0]);
-            let sheet = Sheet {
-                faces: self.membrane.faces(),
-                balls: &self.balls,
-            };
-            self.finder.add(self.membrane.mesh(), sheet, &ball, reaches);
-        }
-    }
-
-    /// Finds which triangles every grain reaches.
-    #[inline(always)]
-    fn reach<W: Lane<Row = F64x8, Scalar = f64>>(&mut self, grains: &Grains<F64x1>) {
+    /// Finds the forces of grains and membrane on each other, and adds those on the vertices in order.
+    fn grip(&mut self, grains: &Grains<F64x1>, time_step: f64, width: VectorWidth) {
         sheet::note(grains, &mut self.balls);
-        let sheet = Sheet {
-            faces: self.membrane.faces(),
+        let around = Around {
+            grip: &self.grip,
+            membrane: &self.membrane,
             balls: &self.balls,
+            pairs: self.near.pairs(),
         };
-        reach::find::<W>(sheet, self.near.pairs(), &mut self.reaches);
-    }
-
-    /// Takes the springs of the last step over to the contacts of this one, and notes how these move.
-    #[inline(always)]
-    fn carry_over(&mut self, grains: &Grains<F64x1>) {
-        self.pending.clear();
-        let mut held = self.held.as_slice();
-        let mut shares = self.finder.shares.as_slice();
-        let mut shares_from = 0;
-        for touches in self.finder.touches.chunk_by(|a, b| a.grain == b.grain) {
-            let of_grain = held_of(&mut held, touches[0].grain);
-            self.heirs.find(self.membrane.mesh(), of_grain, touches);
-            for (touch, &spring) in touches.iter().zip(&self.heirs.springs) {
-                let own = shares
-                    .split_off(..touch.shares_end - shares_from)
-                    .unwrap_or_default();
-                shares_from = touch.shares_end;
-                let area = self.membrane.rest_areas()[touch.triangle as usize];
-                let mass = self.grip.areal_density * area;
-                let pending = Pending::new(touch, own, (grains, &self.membrane), spring, mass);
-                self.pending.push(pending);
-            }
-        }
-    }
-
-    /// Finds the forces of all contacts, eight at a time, and adds them to the vertices in order.
-    #[inline(always)]
-    fn push<W: Lane<Row = F64x8, Scalar = f64>>(&mut self, time_step: f64) {
-        let constants = self.grip.tangential.constants::<W>();
-        self.held.clear();
-        self.pushes.clear();
-        let stiffness = self.grip.material.normal_stiffness;
-        for eight in self.pending.chunks(W::K) {
-            let acting = push::forces::<W>(&self.grip.material, &constants, time_step, eight);
-            self.held.extend(acting.held(eight));
-            self.pushes.extend(&acting.pushes[..eight.len()]);
-        }
+        team::each(&mut self.parts, &|part| {
+            let acting = Acting {
+                part,
+                around,
+                grains,
+                time_step,
+            };
+            dispatch::<F64x8, _>(width, acting);
+        });
         let forces = self.membrane.forces_mut();
-        let mut shares_from = 0;
-        for (touch, push) in self.finder.touches.iter().zip(&self.pushes) {
-            let [x, y, z, ..] = push.0;
-            for share in &self.finder.shares[shares_from..touch.shares_end] {
-                let force = &mut forces[share.vertex as usize];
-                *force = plain::sub(*force, plain::scale([x, y, z], share.weight));
-            }
-            shares_from = touch.shares_end;
+        for part in &self.parts {
+            part.share(forces);
         }
-        let mut pulls_from = 0;
-        for surplus in &self.finder.surpluses {
-            let [x, y, z] = plain::scale(surplus.force, stiffness);
-            let [f_x, f_y, f_z, ..] = &mut self.pushes[surplus.touch].0;
-            (*f_x, *f_y, *f_z) = (*f_x + x, *f_y + y, *f_z + z);
-            for pull in &self.finder.pulls[pulls_from..surplus.pulls_end] {
-                let force = &mut forces[pull.vertex as usize];
-                *force = plain::sub(*force, plain::scale(pull.force, stiffness));
-            }
-            pulls_from = surplus.pulls_end;
+        let stiffness = self.grip.material.normal_stiffness;
+        for part in &mut self.parts {
+            part.add_surpluses(stiffness, forces);
         }
     }
 }
 
-/// A grain, and the contacts `held` from the last step.
-#[inline(always)]
-fn ball<'a>(balls: &[sheet::Ball], held: &'a [Held], grain: u32) -> Ball<'a> {
-    let [x, y, z, radius] = balls[grain as usize];
-    let sphere = Sphere {
-        center: [x, y, z],
-        radius,
-    };
-    Ball {
-        grain,
-        sphere,
-        held,
-    }
-}
-
-/// The contacts of `grain` in the last step; `held` goes on behind them.
-#[inline(always)]
-fn held_of<'a>(held: &mut &'a [Held], grain: u32) -> &'a [Held] {
-    let before = held.iter().take_while(|h| h.grain < grain).count();
-    let own = held[before..]
-        .iter()
-        .take_while(|h| h.grain == grain)
-        .count();
-    let (_, from) = held.split_at(before);
-    let (own, after) = from.split_at(own);
-    *held = after;
-    own
-}
-
-/// A step of a casing up to what it does to grains.
-struct Forces<'a> {
+/// A step of a membrane up to what grains do to it.
+struct Pressing<'a> {
     casing: &'a mut Casing,
-    grains: &'a Grains<F64x1>,
-    time_step: f64,
 }
 
-impl Kernel<F64x8> for Forces<'_> {
+impl Kernel<F64x8> for Pressing<'_> {
     type Output = ();
 
     #[inline(always)]
     fn run<W: Lane<Row = F64x8, Scalar = f64>>(self) {
         self.casing.press_membrane::<W>();
-        self.casing.find::<W>(self.grains);
-        self.casing.carry_over(self.grains);
-        self.casing.push::<W>(self.time_step);
+    }
+}
+
+/// A step of a part, up to what it does to vertices and grains.
+struct Acting<'a> {
+    part: &'a mut Part,
+    around: Around<'a>,
+    grains: &'a Grains<F64x1>,
+    time_step: f64,
+}
+
+impl Kernel<F64x8> for Acting<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<W: Lane<Row = F64x8, Scalar = f64>>(self) {
+        self.part
+            .act::<W>(&self.around, self.grains, self.time_step);
     }
 }
 
@@ -313,24 +231,16 @@ impl Kernel<F64x8> for Look<'_> {
     fn run<W: Lane<Row = F64x8, Scalar = f64>>(self) -> Vec<Contact> {
         let casing = self.casing;
         casing.membrane.note::<W>();
-        casing.reach::<W>(self.grains);
-        let sheet = Sheet {
-            faces: casing.membrane.faces(),
+        sheet::note(self.grains, &mut casing.balls);
+        let around = Around {
+            grip: &casing.grip,
+            membrane: &casing.membrane,
             balls: &casing.balls,
+            pairs: casing.near.pairs(),
         };
         let mut found = vec![];
-        for reaches in casing.reaches.chunk_by(|a, b| a.pair[0] == b.pair[0]) {
-            let ball = ball(&casing.balls, &casing.held, reaches[0].pair[0]);
-            casing.finder.clear();
-            casing
-                .finder
-                .add(casing.membrane.mesh(), sheet, &ball, reaches);
-            found.extend(casing.finder.pushes().map(|push| Contact {
-                grain: ball.grain,
-                normal: push.normal,
-                overlap: push.overlap,
-                shares: push.shares,
-            }));
+        for part in &mut casing.parts {
+            part.look::<W>(&around, &mut found);
         }
         found
     }
@@ -362,6 +272,7 @@ impl Surroundings for Casing {
             balls: &self.balls,
         };
         self.near.search(sheet, mesh, skin, width);
+        part::renew(self.near.pairs(), &mut self.parts);
         self.built.clear();
         self.built.extend_from_slice(mesh.positions());
     }
@@ -373,18 +284,14 @@ impl Surroundings for Casing {
     }
 
     fn act(&mut self, grains: &Grains<F64x1>, time_step: f64, width: VectorWidth) {
-        let forces = Forces {
-            casing: self,
-            grains,
-            time_step,
-        };
-        dispatch::<F64x8, _>(width, forces);
+        dispatch::<F64x8, _>(width, Pressing { casing: self });
+        self.grip(grains, time_step, width);
     }
 
     #[inline(always)]
     fn push_grains(&self, on: &mut OnGrains<'_>) {
-        for (touch, push) in self.finder.touches.iter().zip(&self.pushes) {
-            on.add(touch.grain as usize, push);
+        for (grain, push) in self.parts.iter().flat_map(Part::pushes) {
+            on.add(grain as usize, push);
         }
     }
 

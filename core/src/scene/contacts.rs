@@ -10,6 +10,8 @@ use crate::math::plain;
 use crate::neighbor::{CellGrid, Key, Rows, Spheres};
 use crate::wall::{WALLS, Walls, axis, inward};
 
+use super::blocks::{self, Block};
+
 /// A pair of spheres that may touch; its grain `i` is the row that it stands in.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Candidate<S> {
@@ -53,6 +55,8 @@ type OldRows<S, H> = (Vec<u32>, Vec<Candidate<S>>, Vec<bool>, Vec<H>);
 #[derive(Clone)]
 pub(crate) struct Contacts<R: Row, T: TangentialLaw> {
     pub(crate) starts: Vec<u32>,
+    /// All rows, for the threads of a step.
+    pub(super) blocks: Vec<Block>,
     pub(crate) candidates: Vec<Candidate<R::Scalar>>,
     /// Of every candidate, whether any replica touched in the last step, so that there is a history to forget.
     pub(crate) live: Vec<bool>,
@@ -104,6 +108,7 @@ impl<R: Row, T: TangentialLaw> Contacts<R, T> {
     pub(crate) fn new(skin: f64) -> Self {
         Self {
             starts: vec![],
+            blocks: vec![],
             candidates: vec![],
             live: vec![],
             histories: vec![],
@@ -259,6 +264,12 @@ impl<R: Row, T: TangentialLaw> Contacts<R, T> {
                 self.candidates.push(candidate(grains, i, key));
             }
         }
+        let candidates = &self.candidates;
+        let farthest = |range: std::ops::Range<usize>| {
+            let others = candidates[range].iter().map(|candidate| candidate.j);
+            others.max().unwrap_or(0) as usize
+        };
+        blocks::cut(&self.starts, farthest, &mut self.blocks);
     }
 
     fn find_wall_candidates(&mut self, grains: &Grains<R>, walls: &Walls<R>) {

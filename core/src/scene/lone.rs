@@ -1,6 +1,6 @@
 //! One step of a lone run: every lane is a contact, or a grain.
 //!
-//! Candidates are taken eight at a time, across rows, and their forces found side by side.
+//! Candidates are taken eight at a time, across the rows of a block, and their forces found side by side.
 //! Grains are placed and moved eight at a time.
 //! Forces are added in the order of the list, so the sums are those of an ensemble's lane, bit for bit.
 
@@ -11,29 +11,29 @@ use std::marker::PhantomData;
 
 use crate::contact::{Components, TangentialLaw};
 use crate::force::AffineRate;
-use crate::grains::Grains;
+use crate::grains::{Grains, Pose, Size};
 use crate::lanes::{F64x1, F64x8, Kernel, Lane, Mask, dispatch};
 use crate::math::Vec3;
 use crate::wall::{MAX_LANES, WALLS, Walls};
 
-use eight::Eight;
+use eight::{Eight, MotionsMut};
 pub(super) use records::Records;
-use records::{Ball, records};
+use records::{Adding, Ball, Blank, Read, Sums, records};
 
+use super::blocks::{self, Counts, Divide};
 use super::contacts::{Candidate, Contacts};
 use super::interact::{Constants, branch, geometry, interact};
-use super::motion::{Fastest, Load, MotionConstants, RowGrain, advance, push_of_wall};
+use super::motion::{Fastest, Load, MotionConstants, RowGrain, advance, farther, push_of_wall};
 use super::surroundings::{OnGrains, Surroundings};
-use super::two::both;
-use super::{Laws, Physics, Scene};
+use super::{Laws, Physics, Scene, team};
 
 /// Lanes.
 const WIDE: usize = 8;
 
 /// Takes the whole step; returns how far anything can have moved.
 ///
-/// Grains act on each other while their surroundings act on them, on two threads where the caller's pool has them:
-/// neither reads what the other writes.
+/// Grains act on each other, block by block, while their surroundings act on them, on the threads of the caller's team:
+/// none reads what another writes.
 pub(super) fn step<P: Physics>(scene: &mut Scene<F64x1, P>) -> f64 {
     let Scene {
         laws,
@@ -46,44 +46,35 @@ pub(super) fn step<P: Physics>(scene: &mut Scene<F64x1, P>) -> f64 {
         ..
     } = scene;
     let (width, time_step) = (laws.width, laws.time_step);
-    let written = Written::<P> {
-        grains,
-        work,
-        physics: PhantomData,
-    };
-    dispatch::<F64x8, _>(width, written);
-    let pairs = Pairs {
-        laws,
-        contacts,
-        work,
-    };
-    let grains_act = || dispatch::<F64x8, _>(width, pairs);
+    blocks::each(&contacts.blocks, work.blank(), &|block, blank| {
+        let written = Written::<P> {
+            grains,
+            first: block.rows.start,
+            blank,
+            physics: PhantomData,
+        };
+        dispatch::<F64x8, _>(width, written);
+    });
     let surroundings_act = || surroundings.act(grains, time_step, width);
+    let mut grains_act = || pairs_act(laws, contacts, work);
     if size_of::<P::Surroundings>() > 0 {
-        // The caller takes what is longer: one that waits falls asleep.
-        both(surroundings_act, grains_act);
+        team::both(surroundings_act, grains_act);
     } else {
         grains_act();
     }
+    work.settle(&contacts.blocks);
     let motion = MotionConstants::<F64x1>::new(laws);
     push_of_walls::<P>(&motion, grains, contacts, walls, &mut work.loads);
     surroundings.push_grains(&mut OnGrains(&mut work.loads));
-    let moved = Moved {
-        laws,
-        grains,
-        walls,
-        affine,
-        work,
-    };
-    let swept = dispatch::<F64x8, _>(width, moved);
-    let around = surroundings.advance(time_step);
-    // Not `max`: what is not a number must stay.
-    if around <= swept { swept } else { around }
+    let swept = move_grains(laws, grains, (walls, affine), contacts, work);
+    farther(swept, surroundings.advance(time_step))
 }
-/// Writes the records of all grains.
+
+/// Writes the records of the grains of a block.
 struct Written<'a, P> {
     grains: &'a Grains<F64x1>,
-    work: &'a mut Records,
+    first: usize,
+    blank: Blank<'a>,
     physics: PhantomData<P>,
 }
 
@@ -92,15 +83,83 @@ impl<P: Physics> Kernel<F64x8> for Written<'_, P> {
 
     #[inline(always)]
     fn run<W: Lane<Row = F64x8, Scalar = f64>>(self) {
-        self.work.write::<W, P>(self.grains);
+        self.blank.write::<W, P>(self.grains, self.first);
     }
 }
 
 /// Adds the forces of all pairs of grains.
+fn pairs_act<P: Physics>(
+    laws: &Laws<P>,
+    contacts: &mut Contacts<F64x1, P::Tangential>,
+    work: &mut Records,
+) {
+    let (read, sums) = work.shared_out(contacts.blocks.len());
+    let listed = Listed::<P::Tangential> {
+        candidates: &contacts.candidates,
+        histories: &mut contacts.histories,
+        live: &mut contacts.live,
+        sums,
+    };
+    blocks::each(&contacts.blocks, listed, &|block, listed| {
+        let Listed {
+            candidates,
+            histories,
+            live,
+            sums,
+        } = listed;
+        if let Some(adding) = sums.of(block) {
+            let pairs = Pairs {
+                laws,
+                candidates,
+                memory: (histories, live),
+                read,
+                adding,
+            };
+            dispatch::<F64x8, _>(laws.width, pairs);
+        }
+    });
+}
+
+/// The candidates of some neighboring blocks, and where they add.
+struct Listed<'a, T: TangentialLaw> {
+    candidates: &'a [Candidate<f64>],
+    histories: &'a mut [T::History<F64x1>],
+    live: &'a mut [bool],
+    sums: Sums<'a>,
+}
+
+impl<T: TangentialLaw> Divide for Listed<'_, T> {
+    fn divide(self, counts: &Counts) -> (Self, Self) {
+        let (candidates, other_candidates) = self.candidates.split_at(counts.candidates);
+        let (histories, other_histories) = self.histories.split_at_mut(counts.candidates);
+        let (live, other_live) = self.live.split_at_mut(counts.candidates);
+        let (sums, other_sums) = self.sums.divide(counts);
+        let own = Self {
+            candidates,
+            histories,
+            live,
+            sums,
+        };
+        let other = Self {
+            candidates: other_candidates,
+            histories: other_histories,
+            live: other_live,
+            sums: other_sums,
+        };
+        (own, other)
+    }
+}
+
+/// Adds the forces of the pairs of a block.
 struct Pairs<'a, P: Physics> {
     laws: &'a Laws<P>,
-    contacts: &'a mut Contacts<F64x1, P::Tangential>,
-    work: &'a mut Records,
+    candidates: &'a [Candidate<f64>],
+    memory: (
+        &'a mut [<P::Tangential as TangentialLaw>::History<F64x1>],
+        &'a mut [bool],
+    ),
+    read: Read<'a>,
+    adding: Adding<'a>,
 }
 
 impl<P: Physics> Kernel<F64x8> for Pairs<'_, P> {
@@ -109,17 +168,85 @@ impl<P: Physics> Kernel<F64x8> for Pairs<'_, P> {
     #[inline(always)]
     fn run<W: Lane<Row = F64x8, Scalar = f64>>(self) {
         let constants = Constants::<W, P::Tangential>::new(self.laws);
-        interact_all::<W, P>(&constants, self.work, self.contacts);
+        interact_all::<W, P>(
+            &constants,
+            self.candidates,
+            self.memory,
+            (self.read, self.adding),
+        );
     }
 }
 
 /// Moves all grains; returns how far any of them, or a wall, can have moved.
+fn move_grains<P: Physics>(
+    laws: &Laws<P>,
+    grains: &mut Grains<F64x1>,
+    (walls, affine): (&Walls<F64x1>, &AffineRate<F64x1>),
+    contacts: &Contacts<F64x1, P::Tangential>,
+    work: &mut Records,
+) -> f64 {
+    let (loads, swept) = work.loads_and_swept(contacts.blocks.len());
+    let Grains {
+        displacement,
+        velocity,
+        turn,
+        spin,
+        reference,
+        sizes,
+        ..
+    } = grains;
+    let motions = MotionsMut {
+        displacement,
+        velocity,
+        turn,
+        spin,
+    };
+    let moving = MovingBlocks { motions, swept };
+    blocks::each(&contacts.blocks, moving, &|block, moving| {
+        let rows = block.rows.clone();
+        let moved = Moved {
+            laws,
+            walls,
+            affine,
+            reference: &reference[rows.clone()],
+            sizes: sizes.get(rows.clone()).unwrap_or_default(),
+            motions: moving.motions,
+            loads: &loads[rows],
+        };
+        if let [swept] = moving.swept {
+            *swept = dispatch::<F64x8, _>(laws.width, moved);
+        }
+    });
+    swept.iter().copied().fold(0.0, farther)
+}
+
+/// The grains of some neighboring blocks, and how far those of each have moved.
+struct MovingBlocks<'a> {
+    motions: MotionsMut<'a>,
+    swept: &'a mut [f64],
+}
+
+impl Divide for MovingBlocks<'_> {
+    fn divide(self, counts: &Counts) -> (Self, Self) {
+        let (motions, other_motions) = self.motions.divide(counts);
+        let (swept, other_swept) = self.swept.split_at_mut(counts.blocks);
+        let other = Self {
+            motions: other_motions,
+            swept: other_swept,
+        };
+        (Self { motions, swept }, other)
+    }
+}
+
+/// Moves the grains of a block; returns how far any of them, or a wall, can have moved.
 struct Moved<'a, P: Physics> {
     laws: &'a Laws<P>,
-    grains: &'a mut Grains<F64x1>,
     walls: &'a Walls<F64x1>,
     affine: &'a AffineRate<F64x1>,
-    work: &'a Records,
+    reference: &'a [Pose],
+    sizes: &'a [Size],
+    motions: MotionsMut<'a>,
+    loads: &'a [F64x8],
 }
 
 impl<P: Physics> Kernel<F64x8> for Moved<'_, P> {
@@ -127,24 +254,26 @@ impl<P: Physics> Kernel<F64x8> for Moved<'_, P> {
 
     #[inline(always)]
     fn run<W: Lane<Row = F64x8, Scalar = f64>>(self) -> f64 {
-        let Self { laws, grains, .. } = self;
+        let Self {
+            laws, mut motions, ..
+        } = self;
         let motion = MotionConstants::<W>::new(laws);
         let affine = AffineRate {
             rate: everywhere(&self.affine.rate),
         };
         let mut fastest = Fastest::none();
-        for first in (0..grains.len()).step_by(WIDE) {
-            let eight = Eight::from(first, grains.len());
-            let position = eight.gather::<W>(|i| grains.reference()[i].position);
+        for first in (0..self.reference.len()).step_by(WIDE) {
+            let eight = Eight::from(first, self.reference.len());
+            let position = eight.gather::<W>(|i| self.reference[i].position);
             let moved = advance::<W, P>(
-                &motion.sized::<P>(|of| eight.numbers(|i| of(&grains.sizes[i]))),
+                &motion.sized::<P>(|of| eight.numbers(|i| of(&self.sizes[i]))),
                 (&laws.body_force, &affine),
                 [position.x, position.y, position.z],
-                &self.work.load::<W, P>(eight),
-                eight.load::<W, P>(grains),
+                &records::load::<W, P>(self.loads, eight),
+                eight.load::<W, P>(&motions.read()),
                 &mut fastest,
             );
-            eight.store::<W, P>(moved, grains);
+            eight.store::<W, P>(moved, &mut motions);
         }
         fastest.swept(laws, self.walls)
     }
@@ -160,23 +289,27 @@ fn everywhere(vector: &Vec3<F64x1>) -> Vec3<F64x8> {
     }
 }
 
-/// Adds the forces of all candidates, in the order of the list.
+/// Adds the forces of all of these candidates, in their order.
 #[inline(always)]
 fn interact_all<W: Lane<Row = F64x8, Scalar = f64>, P: Physics>(
     constants: &Constants<W, P::Tangential>,
-    work: &mut Records,
-    contacts: &mut Contacts<F64x1, P::Tangential>,
+    candidates: &[Candidate<f64>],
+    (histories, live): (
+        &mut [<P::Tangential as TangentialLaw>::History<F64x1>],
+        &mut [bool],
+    ),
+    (read, mut adding): (Read<'_>, Adding<'_>),
 ) {
-    let (candidates, last_candidates) = contacts.candidates.as_chunks();
-    let (histories, last_histories) = contacts.histories.as_chunks_mut();
-    let (live, last_live) = contacts.live.as_chunks_mut();
+    let (candidates, last_candidates) = candidates.as_chunks();
+    let (histories, last_histories) = histories.as_chunks_mut();
+    let (live, last_live) = live.as_chunks_mut();
     for ((candidates, histories), live) in candidates.iter().zip(histories).zip(live) {
         interact_eight::<W, P>(
             constants,
             W::constant(0.0),
             candidates,
             (histories, live),
-            work,
+            (read, &mut adding),
         );
     }
     let count = last_candidates.len();
@@ -189,7 +322,7 @@ fn interact_all<W: Lane<Row = F64x8, Scalar = f64>, P: Physics>(
             excess_below(count),
             &std::array::from_fn(|e| last_candidates[nth(e)]),
             (&mut histories, &mut live),
-            work,
+            (read, &mut adding),
         );
         last_histories.copy_from_slice(&histories[..count]);
         last_live.copy_from_slice(&live[..count]);
@@ -215,12 +348,12 @@ fn interact_eight<W: Lane<Row = F64x8, Scalar = f64>, P: Physics>(
         &mut [<P::Tangential as TangentialLaw>::History<F64x1>; WIDE],
         &mut [bool; WIDE],
     ),
-    work: &mut Records,
+    (read, adding): (Read<'_>, &mut Adding<'_>),
 ) {
     let of_i = candidates.each_ref().map(Ball::i::<P>);
     let of_j = candidates.each_ref().map(Ball::j::<P>);
-    let (shifted_i, radius_i) = work.shifted::<W, P>(&of_i);
-    let (shifted_j, radius_j) = work.shifted::<W, P>(&of_j);
+    let (shifted_i, radius_i) = read.shifted::<W, P>(&of_i);
+    let (shifted_j, radius_j) = read.shifted::<W, P>(&of_j);
     let branch = branch::<W, P>(
         W::gather(|e| &candidates[e].reference),
         shifted_i - shifted_j,
@@ -240,8 +373,8 @@ fn interact_eight<W: Lane<Row = F64x8, Scalar = f64>, P: Physics>(
     let action = interact::<W, P>(
         constants,
         &geometry::<W, P>(branch, [radius_i, radius_j]),
-        &work.partner::<W, P>(&of_i, radius_i),
-        &work.partner::<W, P>(&of_j, radius_j),
+        &read.partner::<W, P>(&of_i, radius_i),
+        &read.partner::<W, P>(&of_j, radius_j),
         &mut history,
     );
     remember::<W, P::Tangential>(&history, touching, histories);
@@ -254,10 +387,7 @@ fn interact_eight<W: Lane<Row = F64x8, Scalar = f64>, P: Physics>(
     let spare = [W::constant(0.0); 2];
     let on_i = records(force, on_i, spare);
     let on_j = records(force.scale(W::constant(-1.0)), on_j, spare);
-    for e in 0..WIDE {
-        work.add(of_i[e].grain, on_i[e]);
-        work.add(of_j[e].grain, on_j[e]);
-    }
+    adding.add(candidates, [on_i, on_j]);
 }
 
 /// The histories of eight contacts, one to a lane.
@@ -330,3 +460,6 @@ fn push_of_walls<P: Physics>(
         sum.0.copy_from_slice(sums.as_flattened());
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -255,12 +255,13 @@ impl<L: Lane> Fastest<L> {
             .map(|(v, w)| v.to_f64().sqrt() + laws.body.reach() * w.to_f64().sqrt());
         let walls = walls.velocity.iter().flat_map(Row::lanes);
         let walls = walls.map(|v| v.to_f64().abs());
-        let mut most = 0.0f64;
-        for speed in grains.chain(walls) {
-            most = if speed <= most { most } else { speed };
-        }
-        most * laws.time_step
+        grains.chain(walls).fold(0.0, farther) * laws.time_step
     }
+}
+
+/// The larger of two; not a number if either is none.
+pub(super) fn farther(a: f64, b: f64) -> f64 {
+    if b <= a || a.is_nan() { a } else { b }
 }
 
 /// Kick by a whole step and drift of a grain whose reference is at `position`.

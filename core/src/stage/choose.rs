@@ -17,7 +17,7 @@ use crate::memory::train::{self, Chosen};
 use crate::observable::critical_time_step::Across;
 use crate::outcome::{Outcome, Progress, StageFailure, Watch};
 use crate::scene::With;
-use crate::scene::two::helped;
+use crate::scene::team::helped;
 use crate::shape::{Shape, Sphere, Tetrahedron};
 
 type Outcomes = Result<Vec<Result<Outcome, StageFailure>>, StageFailure>;
@@ -45,7 +45,7 @@ pub(super) fn run(ensemble: &Ensemble<'_>, width: VectorWidth, watch: Watch<'_>)
     let stage = first.id().to_string();
     match first {
         StageSpec::Pack(spec) => {
-            let outcome = match spec.shape {
+            let packed = || match spec.shape {
                 ShapeName::Sphere => {
                     pack::run::<Sphere>(spec, &stage, checkpoint, width, &mut progress)
                 }
@@ -53,7 +53,7 @@ pub(super) fn run(ensemble: &Ensemble<'_>, width: VectorWidth, watch: Watch<'_>)
                     pack::run::<Tetrahedron>(spec, &stage, checkpoint, width, &mut progress)
                 }
             };
-            Ok(vec![outcome])
+            Ok(vec![helped(spec.grains as usize, packed)])
         }
         StageSpec::Train(spec) => {
             let state = read(ensemble.input)?;
@@ -68,12 +68,13 @@ pub(super) fn run(ensemble: &Ensemble<'_>, width: VectorWidth, watch: Watch<'_>)
                 state: &state,
                 checkpoint,
             };
-            shaped(&job, &state.past, spec, width, &mut progress)
+            let trained = || shaped(&job, &state.past, spec, width, &mut progress);
+            helped(grains(&state.past), trained)
         }
         StageSpec::Recall(_) => recalled(ensemble, width, &mut progress),
         StageSpec::Grow(_) | StageSpec::Jam(_) | StageSpec::Bend(_) => {
-            let outcome = helped(|| bent(ensemble, &stage, checkpoint, width, &mut progress));
-            Ok(vec![outcome])
+            let bent = || bent(ensemble, &stage, checkpoint, width, &mut progress);
+            Ok(vec![helped(usize::MAX, bent)])
         }
     }
 }
@@ -147,7 +148,16 @@ fn recalled(ensemble: &Ensemble<'_>, width: VectorWidth, progress: &mut Progress
         input: &state,
         checkpoints: ensemble.checkpoints,
     };
-    shaped(&Job::Recall(&recalls), &state.past, &train, width, progress)
+    let alone = specs.len() == 1 && specs[0].precision == Precision::F64;
+    let shared_out = if alone { grains(&state.past) } else { 0 };
+    let job = Job::Recall(&recalls);
+    helped(shared_out, || {
+        shaped(&job, &state.past, &train, width, progress)
+    })
+}
+
+fn grains(past: &Past) -> usize {
+    past.pack.grains as usize
 }
 
 fn input(detail: &str) -> StageFailure {

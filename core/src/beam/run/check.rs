@@ -131,10 +131,8 @@ impl<T: Friction> Run<T> {
             .collect();
         let membrane = Membrane::new(mesh.positions(), &triangles)
             .map_err(|error| self.collapsed(error.to_string()))?;
-        let held = |i: usize| {
-            let contact = casing.held().binary_search_by_key(&i, |h| h.grain as usize);
-            contact.is_ok()
-        };
+        let touching: Vec<u32> = casing.held().map(|held| held.grain).collect();
+        let held = |i: usize| touching.binary_search(&(i as u32)).is_ok();
         let outside = |&i: &usize| membrane.winding(grains.pose(i, 0).position) <= 0 && !held(i);
         (0..grains.len()).find(outside).map_or(Ok(()), |i| {
             Err(self.failed(

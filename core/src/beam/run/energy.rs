@@ -86,7 +86,7 @@ impl<T: Friction> Run<T> {
         let radius = |i: usize| self.beam.grains.radius(i);
         let contacts = self.contacts.iter();
         let between = contacts.map(|c| c.normal_force * (radius(c.i) + radius(c.j)));
-        let held = self.beam.surroundings.held().iter();
+        let held = self.beam.surroundings.held();
         let against = held.map(|h| h.normal_force * radius(h.grain as usize));
         self.growth_rate * (between.sum::<f64>() + against.sum::<f64>() + 3.0 * kinetic)
     }

@@ -1,5 +1,7 @@
 //! M8, M9 and M10 of the membrane's checks, and what a casing keeps.
 
+use super::patch::Sphere;
+use super::touch::{Ball, Finder};
 use super::*;
 use crate::contact::frictionless::Frictionless;
 use crate::contact::mindlin::TangentialStiffness;
@@ -256,7 +258,7 @@ fn spring_is_carried_across_edges_and_vertices() {
     let steps = 3000;
     for k in 1..=steps {
         scene.step();
-        let held = scene.surroundings.held();
+        let held: Vec<Held> = scene.surroundings.held().copied().collect();
         assert_eq!(held.len(), 1, "step {k}");
         let expected = 5e-6 * f64::from(k);
         let spring = held[0].spring[0];
@@ -307,7 +309,7 @@ fn grain_and_membrane_keep_momentum_and_angular_momentum() {
     let mut touched = 0;
     for _ in 0..2000 {
         scene.step();
-        touched += usize::from(!scene.surroundings.held().is_empty());
+        touched += usize::from(scene.surroundings.held().next().is_some());
     }
     let after = momenta(&scene);
     assert!(touched > 50, "{touched}");
@@ -338,7 +340,7 @@ fn pressed_patch_comes_to_rest_on_a_grain() {
         energies.push(scene.surroundings.membrane.kinetic_energy());
     }
     assert!(energies[9] < 1e-6 * energies[0], "{energies:?}");
-    let held = scene.surroundings.held();
+    let held: Vec<Held> = scene.surroundings.held().copied().collect();
     let force: f64 = held.iter().map(|h| h.normal_force).sum();
     assert!(force > 0.5, "{force}");
 }

@@ -4,9 +4,74 @@ use crate::grains::Grains;
 use crate::lanes::{F64x1, F64x8, Lane};
 use crate::math::{Quaternion, Vec3};
 use crate::scene::Physics;
+use crate::scene::blocks::{Counts, Divide};
 use crate::scene::motion::Moving;
 
 use super::WIDE;
+
+/// How some neighboring grains depart from their reference and move; nothing of a kind that there is none of.
+#[derive(Clone, Copy)]
+pub(super) struct Motions<'a> {
+    displacement: &'a [Vec3<F64x1>],
+    velocity: &'a [Vec3<F64x1>],
+    turn: &'a [Quaternion<F64x1>],
+    spin: &'a [Vec3<F64x1>],
+}
+
+impl<'a> Motions<'a> {
+    /// Of all grains.
+    #[inline(always)]
+    pub(super) fn of(grains: &'a Grains<F64x1>) -> Self {
+        Self {
+            displacement: &grains.displacement,
+            velocity: &grains.velocity,
+            turn: &grains.turn,
+            spin: &grains.spin,
+        }
+    }
+}
+
+/// The same, to be changed.
+pub(super) struct MotionsMut<'a> {
+    pub(super) displacement: &'a mut [Vec3<F64x1>],
+    pub(super) velocity: &'a mut [Vec3<F64x1>],
+    pub(super) turn: &'a mut [Quaternion<F64x1>],
+    pub(super) spin: &'a mut [Vec3<F64x1>],
+}
+
+impl MotionsMut<'_> {
+    #[inline(always)]
+    pub(super) fn read(&self) -> Motions<'_> {
+        Motions {
+            displacement: self.displacement,
+            velocity: self.velocity,
+            turn: self.turn,
+            spin: self.spin,
+        }
+    }
+}
+
+impl Divide for MotionsMut<'_> {
+    fn divide(self, counts: &Counts) -> (Self, Self) {
+        let (displacement, other_displacement) = self.displacement.split_at_mut(counts.rows);
+        let (velocity, other_velocity) = self.velocity.split_at_mut(counts.rows);
+        let (turn, other_turn) = self.turn.split_at_mut(counts.rows.min(self.turn.len()));
+        let (spin, other_spin) = self.spin.split_at_mut(counts.rows.min(self.spin.len()));
+        let own = Self {
+            displacement,
+            velocity,
+            turn,
+            spin,
+        };
+        let other = Self {
+            displacement: other_displacement,
+            velocity: other_velocity,
+            turn: other_turn,
+            spin: other_spin,
+        };
+        (own, other)
+    }
+}
 
 /// Up to eight grains in a row, one to a lane; lanes beyond the last grain repeat it.
 #[derive(Clone, Copy)]
@@ -70,11 +135,11 @@ impl Eight {
     #[inline(always)]
     pub(super) fn load<W: Lane<Row = F64x8, Scalar = f64>, P: Physics>(
         self,
-        grains: &Grains<F64x1>,
+        motions: &Motions<'_>,
     ) -> Moving<W> {
         let mut moving = Moving {
-            displacement: self.vectors(&grains.displacement),
-            velocity: self.vectors(&grains.velocity),
+            displacement: self.vectors(motions.displacement),
+            velocity: self.vectors(motions.velocity),
             turn: Quaternion {
                 w: W::constant(1.0),
                 v: Vec3::zero(),
@@ -82,14 +147,14 @@ impl Eight {
             spin: Vec3::zero(),
         };
         if P::SPINS {
-            moving.spin = self.vectors(&grains.spin);
+            moving.spin = self.vectors(motions.spin);
         }
         if P::ORIENTED {
             moving.turn = Quaternion {
                 w: W::load(&F64x8(std::array::from_fn(|e| {
-                    grains.turn[self.nth(e)].w.0[0]
+                    motions.turn[self.nth(e)].w.0[0]
                 }))),
-                v: self.gather(|i| numbers(&grains.turn[i].v)),
+                v: self.gather(|i| numbers(&motions.turn[i].v)),
             };
         }
         moving
@@ -99,18 +164,21 @@ impl Eight {
     pub(super) fn store<W: Lane<Row = F64x8, Scalar = f64>, P: Physics>(
         self,
         moving: Moving<W>,
-        grains: &mut Grains<F64x1>,
+        motions: &mut MotionsMut<'_>,
     ) {
         let range = self.first..self.first + self.count;
-        put(moving.displacement, &mut grains.displacement[range.clone()]);
-        put(moving.velocity, &mut grains.velocity[range.clone()]);
+        put(
+            moving.displacement,
+            &mut motions.displacement[range.clone()],
+        );
+        put(moving.velocity, &mut motions.velocity[range.clone()]);
         if P::SPINS {
-            put(moving.spin, &mut grains.spin[range.clone()]);
+            put(moving.spin, &mut motions.spin[range.clone()]);
         }
         if P::ORIENTED {
             let mut turn = Quaternion::default();
             moving.turn.store(&mut turn);
-            for (e, to) in grains.turn[range].iter_mut().enumerate() {
+            for (e, to) in motions.turn[range].iter_mut().enumerate() {
                 *to = Quaternion {
                     w: F64x1([turn.w.0[e]]),
                     v: nth(&turn.v, e),

@@ -10,7 +10,8 @@ use crate::scene::{Physics, Work};
 use crate::shape::Shape;
 
 use super::WIDE;
-use super::eight::Eight;
+use super::eight::{Eight, Motions};
+use crate::scene::blocks::{Block, Counts, Divide};
 
 /// The state of the running step, remade in every step.
 ///
@@ -23,6 +24,144 @@ pub struct Records {
     motions: Vec<F64x8>,
     /// Of every grain: the sums of force and torque.
     pub(super) loads: Vec<F64x8>,
+    /// Of every block: what it does to grains that it shares.
+    kept: Vec<Kept>,
+    /// Of every block: how far its grains have moved.
+    swept: Vec<f64>,
+}
+
+/// What the rows of a block do to grains that they share with the next block, or share with the one before.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Kept {
+    /// The sums on the first grains of the next block.
+    beyond: Vec<F64x8>,
+    /// What is to be added to the block's own first grains, in this order.
+    later: Vec<(u32, F64x8)>,
+}
+
+/// The records of some neighboring grains.
+pub(super) struct Blank<'a> {
+    spheres: &'a mut [F64x8],
+    motions: &'a mut [F64x8],
+    loads: &'a mut [F64x8],
+}
+
+impl Divide for Blank<'_> {
+    fn divide(self, counts: &Counts) -> (Self, Self) {
+        let per_grain = self.spheres.len() / self.motions.len().max(1);
+        let (spheres, other_spheres) = self.spheres.split_at_mut(per_grain * counts.rows);
+        let (motions, other_motions) = self.motions.split_at_mut(counts.rows);
+        let (loads, other_loads) = self.loads.split_at_mut(counts.rows);
+        let blank = |spheres, motions, loads| Blank {
+            spheres,
+            motions,
+            loads,
+        };
+        (
+            blank(spheres, motions, loads),
+            blank(other_spheres, other_motions, other_loads),
+        )
+    }
+}
+
+/// What contacts read of all grains.
+#[derive(Clone, Copy)]
+pub(super) struct Read<'a> {
+    spheres: &'a [F64x8],
+    motions: &'a [F64x8],
+}
+
+/// Where the contacts of some neighboring blocks add.
+pub(super) struct Sums<'a> {
+    own: &'a mut [F64x8],
+    kept: &'a mut [Kept],
+}
+
+impl Divide for Sums<'_> {
+    fn divide(self, counts: &Counts) -> (Self, Self) {
+        let (own, other) = self.own.split_at_mut(counts.rows);
+        let (kept, other_kept) = self.kept.split_at_mut(counts.blocks);
+        let others = Sums {
+            own: other,
+            kept: other_kept,
+        };
+        (Sums { own, kept }, others)
+    }
+}
+
+/// Where the contacts of one block add.
+pub(super) struct Adding<'a> {
+    first: usize,
+    shared_end: usize,
+    own: &'a mut [F64x8],
+    kept: &'a mut Kept,
+}
+
+impl<'a> Sums<'a> {
+    /// Those of `block`, which is all that is left.
+    pub(super) fn of(self, block: &Block) -> Option<Adding<'a>> {
+        let kept = self.kept.first_mut()?;
+        kept.later.clear();
+        kept.beyond.clear();
+        let reached = block.reached_end - block.rows.end;
+        kept.beyond.resize(reached, F64x8::default());
+        Some(Adding {
+            first: block.rows.start,
+            shared_end: block.shared_end,
+            own: self.own,
+            kept,
+        })
+    }
+}
+
+impl Adding<'_> {
+    /// Adds a force and a torque to the sums of both grains of eight pairs, pair after pair.
+    #[inline(always)]
+    pub(super) fn add<W: Lane<Row = F64x8>>(
+        &mut self,
+        pairs: &[Candidate<f64>; WIDE],
+        [on_i, on_j]: [[W; WIDE]; 2],
+    ) {
+        // Pairs stand by rows, and the other grain comes later: the first is the first of all.
+        let end = self.first + self.own.len();
+        let last = pairs.iter().fold(0, |last, pair| pair.j.max(last));
+        if (pairs[0].i as usize) < self.shared_end || last as usize >= end {
+            let mut rows = [[F64x8::default(); WIDE]; 2];
+            for (rows, on) in rows.iter_mut().zip([on_i, on_j]) {
+                for (row, load) in rows.iter_mut().zip(on) {
+                    load.store(row);
+                }
+            }
+            self.keep(pairs, &rows);
+            return;
+        }
+        for (e, pair) in pairs.iter().enumerate() {
+            for (grain, load) in [(pair.i, on_i[e]), (pair.j, on_j[e])] {
+                let sum = &mut self.own[grain as usize - self.first];
+                (W::load(sum) + load).store(sum);
+            }
+        }
+    }
+
+    /// The same where another block has a part in some of the grains.
+    #[cold]
+    #[inline(never)]
+    fn keep(&mut self, pairs: &[Candidate<f64>; WIDE], [on_i, on_j]: &[[F64x8; WIDE]; 2]) {
+        for (e, pair) in pairs.iter().enumerate() {
+            for (grain, load) in [(pair.i, on_i[e]), (pair.j, on_j[e])] {
+                if (grain as usize) < self.shared_end {
+                    self.kept.later.push((grain, load));
+                    continue;
+                }
+                let at = grain as usize - self.first;
+                let sum = match self.own.get_mut(at) {
+                    Some(sum) => sum,
+                    None => &mut self.kept.beyond[at - self.own.len()],
+                };
+                add_to(sum, &load);
+            }
+        }
+    }
 }
 
 /// A sphere of a grain, by the places of their records.
@@ -62,6 +201,8 @@ impl Work<F64x1> for Records {
             spheres: vec![F64x8::default(); P::Shape::SPHERES * n],
             motions: vec![F64x8::default(); n],
             loads: vec![F64x8::default(); n],
+            kept: vec![],
+            swept: vec![],
         }
     }
 
@@ -71,22 +212,67 @@ impl Work<F64x1> for Records {
 }
 
 impl Records {
-    /// Writes what contacts need of all grains, and sets the sums to zero.
+    /// The records of all grains, to be written.
+    pub(super) fn blank(&mut self) -> Blank<'_> {
+        Blank {
+            spheres: &mut self.spheres,
+            motions: &mut self.motions,
+            loads: &mut self.loads,
+        }
+    }
+
+    /// What contacts read, and where those of `count` blocks add.
+    pub(super) fn shared_out(&mut self, count: usize) -> (Read<'_>, Sums<'_>) {
+        self.kept.resize_with(count, Kept::default);
+        let read = Read {
+            spheres: &self.spheres,
+            motions: &self.motions,
+        };
+        let sums = Sums {
+            own: &mut self.loads,
+            kept: &mut self.kept,
+        };
+        (read, sums)
+    }
+
+    /// The sums on all grains, and where each of `count` blocks notes how far its grains have moved.
+    pub(super) fn loads_and_swept(&mut self, count: usize) -> (&[F64x8], &mut [f64]) {
+        self.swept.resize(count, 0.0);
+        (&self.loads, &mut self.swept)
+    }
+
+    /// Adds up what `blocks` have kept.
+    pub(super) fn settle(&mut self, blocks: &[Block]) {
+        for (two, kept) in blocks.windows(2).zip(self.kept.windows(2)) {
+            let (first, reached) = (two[1].rows.start, &kept[0].beyond);
+            self.loads[first..first + reached.len()].copy_from_slice(reached);
+            for (grain, load) in &kept[1].later {
+                add_to(&mut self.loads[*grain as usize], load);
+            }
+        }
+    }
+}
+
+impl Blank<'_> {
+    /// Writes what contacts need of the grains from `first` on, and sets the sums to zero.
     #[inline(always)]
     pub(super) fn write<W: Lane<Row = F64x8, Scalar = f64>, P: Physics>(
-        &mut self,
+        self,
         grains: &Grains<F64x1>,
+        first_row: usize,
     ) {
         let spheres = P::Shape::SPHERES;
-        for first in (0..grains.len()).step_by(WIDE) {
-            let eight = Eight::from(first, grains.len());
-            let moving = eight.load::<W, P>(grains);
+        let end = first_row + self.motions.len();
+        for first in (first_row..end).step_by(WIDE) {
+            let eight = Eight::from(first, end);
+            let moving = eight.load::<W, P>(&Motions::of(grains));
             let zero = W::constant(0.0);
             let (mut radius, mut inverse_mass) = (zero, zero);
             if P::GRADED {
                 radius = eight.numbers(|i| grains.sizes[i].radius);
                 inverse_mass = eight.numbers(|i| grains.sizes[i].inverse_mass);
             }
+            let at = first - first_row;
             for a in 0..spheres {
                 let arm = if P::ORIENTED {
                     eight.gather(|i| grains.lane_arms[spheres * i + a])
@@ -96,17 +282,19 @@ impl Records {
                 let (shifted, arm) = moving.sphere::<P>(arm);
                 let records = records(shifted, arm, [radius, zero]);
                 for (e, record) in records.into_iter().enumerate().take(eight.count) {
-                    record.store(&mut self.spheres[spheres * (first + e) + a]);
+                    record.store(&mut self.spheres[spheres * (at + e) + a]);
                 }
             }
             let records = records(moving.velocity, moving.spin, [inverse_mass, zero]);
             for (e, record) in records.into_iter().enumerate().take(eight.count) {
-                record.store(&mut self.motions[first + e]);
-                self.loads[first + e] = F64x8::default();
+                record.store(&mut self.motions[at + e]);
+                self.loads[at + e] = F64x8::default();
             }
         }
     }
+}
 
+impl Read<'_> {
     /// Displacements from the reference of the centers of eight spheres, and their radii.
     #[inline(always)]
     pub(super) fn shifted<W: Lane<Row = F64x8, Scalar = f64>, P: Physics>(
@@ -147,29 +335,30 @@ impl Records {
             inverse_mass: moving[3],
         }
     }
+}
 
-    /// Adds a force and a torque to the sums of a grain.
-    #[inline(always)]
-    pub(super) fn add<W: Lane<Row = F64x8>>(&mut self, grain: usize, load: W) {
-        let sum = &mut self.loads[grain];
-        (W::load(sum) + load).store(sum);
+/// Adds a force and a torque to a sum.
+#[inline(always)]
+fn add_to(sum: &mut F64x8, load: &F64x8) {
+    for (sum, part) in sum.0.iter_mut().zip(load.0) {
+        *sum += part;
     }
+}
 
-    /// What acts on eight grains.
-    #[inline(always)]
-    pub(super) fn load<W: Lane<Row = F64x8, Scalar = f64>, P: Physics>(
-        &self,
-        eight: Eight,
-    ) -> Load<W> {
-        let load = |e: usize| self.loads[eight.nth(e)].halves();
-        Load {
-            force: vector(W::gather(|e| load(e)[0])),
-            torque: if P::SPINS {
-                vector(W::gather(|e| load(e)[1]))
-            } else {
-                Vec3::zero()
-            },
-        }
+/// What acts on eight grains, of these sums of force and torque.
+#[inline(always)]
+pub(super) fn load<W: Lane<Row = F64x8, Scalar = f64>, P: Physics>(
+    loads: &[F64x8],
+    eight: Eight,
+) -> Load<W> {
+    let load = |e: usize| loads[eight.nth(e)].halves();
+    Load {
+        force: vector(W::gather(|e| load(e)[0])),
+        torque: if P::SPINS {
+            vector(W::gather(|e| load(e)[1]))
+        } else {
+            Vec3::zero()
+        },
     }
 }
 

@@ -1,0 +1,154 @@
+//! Blocks of rows: what each thread of a step's team takes.
+//!
+//! How many blocks there are changes no sum. Rows reach beyond the end of their block, but no farther than into the next:
+//! what they add there is summed apart. A grain of the next block that they reach is *shared*: what its own block adds to it
+//! is kept, in order, and added behind what the block before has summed, as one thread would have done.
+
+use std::ops::Range;
+
+use super::team::{self, LEAST_ROWS};
+
+/// Neighboring rows, and their candidates.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Block {
+    pub(super) rows: Range<usize>,
+    pub(super) candidates: Range<usize>,
+    /// Where the rows end that the block before reaches.
+    pub(super) shared_end: usize,
+    /// Where the rows end that this one reaches.
+    pub(super) reached_end: usize,
+}
+
+/// What goes with some neighboring blocks and can be divided between two threads where one of them ends.
+pub(super) trait Divide: Send + Sized {
+    /// What goes with the first `counts`, and what goes with the others.
+    fn divide(self, counts: &Counts) -> (Self, Self);
+}
+
+/// How many there are of what goes with blocks.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Counts {
+    pub(super) blocks: usize,
+    pub(super) rows: usize,
+    pub(super) candidates: usize,
+}
+
+/// Does `work` on every block and what goes with it, side by side where the caller has a team.
+pub(super) fn each<T: Divide>(blocks: &[Block], with: T, work: &(impl Fn(&Block, T) + Sync)) {
+    match blocks {
+        [] => {}
+        [block] => work(block, with),
+        [from, ..] => {
+            let (first, second) = blocks.split_at(blocks.len() / 2);
+            let counts = Counts {
+                blocks: first.len(),
+                rows: second[0].rows.start - from.rows.start,
+                candidates: second[0].candidates.start - from.candidates.start,
+            };
+            let (with_first, with_second) = with.divide(&counts);
+            team::both(
+                || each(first, with_first, work),
+                || each(second, with_second, work),
+            );
+        }
+    }
+}
+
+/// Cuts rows, given where their candidates start, into one block for each thread of the caller's team.
+///
+/// `farthest` is the largest row that a range of candidates reaches.
+pub(super) fn cut(
+    starts: &[u32],
+    farthest: impl Fn(Range<usize>) -> usize,
+    blocks: &mut Vec<Block>,
+) {
+    let rows = starts.len().saturating_sub(1);
+    let most = team::size().min(rows / LEAST_ROWS);
+    let mut cut = |count| cut_into(count, starts, &farthest, blocks);
+    if (2..=most).rev().any(&mut cut) {
+        return;
+    }
+    blocks.clear();
+    blocks.push(Block {
+        rows: 0..rows,
+        candidates: 0..starts.last().map_or(0, |&end| end as usize),
+        shared_end: 0,
+        reached_end: rows,
+    });
+}
+
+/// Cuts `count` blocks of about as many candidates each; `false` if one reaches beyond the next.
+fn cut_into(
+    count: usize,
+    starts: &[u32],
+    farthest: impl Fn(Range<usize>) -> usize,
+    blocks: &mut Vec<Block>,
+) -> bool {
+    blocks.clear();
+    let all = starts.last().map_or(0, |&end| end as usize);
+    let (mut first, mut shared_end) = (0, 0);
+    for n in 1..=count {
+        let end = if n == count {
+            starts.len() - 1
+        } else {
+            starts.partition_point(|&start| (start as usize) < n * all / count)
+        };
+        if end <= first || end < shared_end {
+            return false;
+        }
+        let candidates = starts[first] as usize..starts[end] as usize;
+        let reached_end = (farthest(candidates.clone()) + 1).max(end);
+        blocks.push(Block {
+            rows: first..end,
+            candidates,
+            shared_end,
+            reached_end,
+        });
+        (first, shared_end) = (end, reached_end);
+    }
+    true
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Rows of one candidate each, `reach` rows on.
+    fn chain(rows: u32, reach: usize) -> (Vec<u32>, impl Fn(Range<usize>) -> usize) {
+        let last = rows as usize - 1;
+        ((0..=rows).collect(), move |candidates: Range<usize>| {
+            (candidates.end - 1 + reach).min(last)
+        })
+    }
+
+    #[test]
+    fn blocks_cover_all_rows_and_share_what_the_one_before_reaches() {
+        let (starts, farthest) = chain(1000, 7);
+        let mut blocks = vec![];
+        assert!(cut_into(3, &starts, farthest, &mut blocks));
+        let rows: Vec<_> = blocks.iter().map(|block| block.rows.clone()).collect();
+        assert_eq!(rows, [0..333, 333..666, 666..1000]);
+        let shared: Vec<_> = blocks.iter().map(|block| block.shared_end).collect();
+        assert_eq!(shared, [0, 340, 673]);
+        assert_eq!(blocks[2].reached_end, 1000);
+    }
+
+    #[test]
+    fn no_block_reaches_beyond_the_next() {
+        let (starts, farthest) = chain(1000, 400);
+        assert!(!cut_into(3, &starts, &farthest, &mut vec![]));
+        assert!(cut_into(2, &starts, &farthest, &mut vec![]));
+    }
+
+    #[test]
+    fn what_runs_alone_is_one_block() {
+        let (starts, farthest) = chain(1000, 7);
+        let mut blocks = vec![];
+        cut(&starts, farthest, &mut blocks);
+        assert_eq!(blocks.len(), 1);
+        for none in [&[][..], &[0]] {
+            cut(none, |_| 0, &mut blocks);
+            assert_eq!((&blocks[0].rows, &blocks[0].candidates), (&(0..0), &(0..0)));
+        }
+    }
+}
