@@ -49,6 +49,9 @@ pub(crate) struct Args {
     /// Scenes stepped at once, each on a thread of its own.
     #[arg(long, value_name = "T", default_value_t = 1)]
     threads: usize,
+    /// Threads that share the steps of each scene; only of one lane.
+    #[arg(long, value_name = "T", default_value_t = 1, conflicts_with = "beside")]
+    team: usize,
     /// Time step \[t_c\].
     #[arg(long, default_value_t = 0.1)]
     time_step: f64,
@@ -104,7 +107,7 @@ struct Job {
 pub(crate) async fn run(args: &Args) -> anyhow::Result<Done> {
     let Some(program) = &args.beside else {
         let job = job(args)?;
-        let timed = time_all(&job, args.threads.max(1))?;
+        let timed = time_all(&job, args.threads.max(1), args.team)?;
         return print(&figures(&timed, &job), args.json);
     };
     // Before a pack is made: LAMMPS may be missing.
@@ -238,11 +241,11 @@ fn pack_file(point: &MemoryPoint, state: &PackState) -> PackFile {
     }
 }
 
-/// Steps one scene per thread, all at once.
-fn time_all(job: &Job, threads: usize) -> anyhow::Result<Vec<Timed>> {
+/// Steps so many scenes at once, each by a team of its own.
+fn time_all(job: &Job, threads: usize, team: usize) -> anyhow::Result<Vec<Timed>> {
     let start = Barrier::new(threads);
     let timed: Vec<Option<Timed>> = std::thread::scope(|scope| {
-        let one = || time(job, &start);
+        let one = || time(job, team, &start);
         let running: Vec<_> = (0..threads).map(|_| scope.spawn(one)).collect();
         let ended = running
             .into_iter()
@@ -261,7 +264,8 @@ fn time_all(job: &Job, threads: usize) -> anyhow::Result<Vec<Timed>> {
     }
 }
 
-fn time(job: &Job, start: &Barrier) -> Option<Timed> {
+fn time(job: &Job, team: usize, start: &Barrier) -> Option<Timed> {
+    let _team = machine::team(team);
     let scene = bench(&job.pack, &job.settings);
     start.wait();
     let mut scene = scene?;

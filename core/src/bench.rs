@@ -9,7 +9,7 @@ use crate::grains::{Grains, Pose, UPRIGHT};
 use crate::lanes::{F32x8, F32x16, F64x1, F64x8, VectorWidth};
 use crate::material::{Material, Units};
 use crate::memory::spec::{Precision, ShapeName};
-use crate::scene::{Laws, Physics, Replicas, Scene, With};
+use crate::scene::{Laws, Physics, Replicas, Scene, With, team};
 use crate::shape::{Body, Shape, Sphere, Tetrahedron};
 use crate::wall::Walls;
 
@@ -132,7 +132,7 @@ pub struct Settings {
 
 /// A scene that can be stepped, whatever its types.
 pub trait Bench {
-    /// Takes `steps` steps.
+    /// Takes `steps` steps, a lone run on all threads of the caller's pool.
     fn run(&mut self, steps: u64);
 
     /// What the scene is made of.
@@ -160,9 +160,12 @@ pub struct Size {
 
 impl<R: Replicas, P: Physics> Bench for Scene<R, P> {
     fn run(&mut self, steps: u64) {
-        for _ in 0..steps {
-            self.step();
-        }
+        let shared_out = if R::K == 1 { self.grains.len() } else { 0 };
+        team::helped(shared_out, || {
+            for _ in 0..steps {
+                self.step();
+            }
+        });
     }
 
     fn size(&self) -> Size {

@@ -10,7 +10,7 @@ use tokio::sync::{OwnedSemaphorePermit, oneshot, watch};
 
 use crate::archive::Archive;
 use crate::held::{Signals, Word};
-use crate::machine::{charge_help, thread_cpu_time};
+use crate::machine::{charge_help, team, thread_cpu_time};
 
 /// What becomes of one job.
 pub type StageResult = Result<Outcome, StageFailure>;
@@ -24,13 +24,10 @@ pub type Engine = Arc<dyn Fn(&Ensemble<'_>, Watch<'_>) -> Vec<StageResult> + Sen
 #[must_use]
 pub fn core_engine(threads: usize) -> Engine {
     Arc::new(move |ensemble, watch| {
-        // The pool has this thread as its first, and ends with it. Without one, everything runs here, to the same bits.
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(threads)
-            .use_current_thread();
-        let pool = (threads > 1).then(|| pool.build());
+        // Without a team everything runs here, to the same bits.
+        let pool = team(threads);
         let results = granary_core::stage::run(ensemble, watch);
-        if let Some(Ok(pool)) = &pool {
+        if let Some(pool) = &pool {
             charge_help(pool);
         }
         results

@@ -61,6 +61,16 @@ pub fn thread_cpu_time() -> Duration {
     own + HELP.get()
 }
 
+/// A pool of so many threads, the calling one as its first, which ends with it; none for one thread, or where the system gives
+/// no other.
+#[must_use]
+pub fn team(threads: usize) -> Option<rayon::ThreadPool> {
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .use_current_thread();
+    (threads > 1).then(|| pool.build().ok()).flatten()
+}
+
 /// Charges the calling thread with the CPU time of all others of `pool`, which is at its end.
 pub fn charge_help(pool: &rayon::ThreadPool) {
     let own = pool.current_thread_index();
@@ -89,10 +99,7 @@ mod tests {
 
     #[test]
     fn what_another_thread_of_the_pool_did_is_charged() {
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(2)
-            .use_current_thread();
-        let pool = pool.build().expect("a thread");
+        let pool = team(2).expect("a thread");
         let until = Duration::from_millis(20);
         pool.broadcast(|thread| {
             while thread.index() > 0 && thread_cpu_time() < until {

@@ -14,7 +14,7 @@ pub(super) async fn time(job: &Job, lammps: &Lammps, repeats: u8) -> anyhow::Res
     let (mut timed, mut lammps_rates) = (vec![], vec![]);
     for _ in 0..repeats {
         lammps_rates.push(prepared.run().await?);
-        timed.extend(time_all(job, 1)?);
+        timed.extend(time_all(job, 1, 1)?);
     }
     let rates: Vec<f64> = timed.iter().map(rate).collect();
     let pairs = rates.iter().zip(&lammps_rates);
