@@ -14,6 +14,10 @@ use crate::service::{Place, Service, all_cores};
 use crate::spec_file::SpecFile;
 use crate::{interrupt, log, output, submit, table, watch};
 
+/// A single point that takes longer is computed by all threads together \[s\]; what is shorter has few grains, which gain
+/// little, and less than nothing where the machine is busy.
+const LONG: f64 = 60.0;
+
 /// Compute a sweep on this machine and print its table.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
@@ -69,8 +73,9 @@ pub(crate) async fn compute(
     }
     service.stay_alone().await?;
     let threads = threads.unwrap_or_else(all_cores);
-    if submitted.points == submitted.points_done + 1 {
-        // Nothing else could use the others meanwhile.
+    let alone = submitted.points == submitted.points_done + 1;
+    if alone && submitted.predicted.core_seconds > LONG {
+        // Nothing else could use the other threads meanwhile.
         service.work_by(1, threads);
     } else {
         service.work(threads);
