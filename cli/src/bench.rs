@@ -265,7 +265,7 @@ fn time_all(job: &Job, threads: usize, team: usize) -> anyhow::Result<Vec<Timed>
 }
 
 fn time(job: &Job, team: usize, start: &Barrier) -> Option<Timed> {
-    let _team = machine::team(team);
+    let team = machine::team(team);
     let scene = bench(&job.pack, &job.settings);
     start.wait();
     let mut scene = scene?;
@@ -276,6 +276,9 @@ fn time(job: &Job, team: usize, start: &Barrier) -> Option<Timed> {
         scene.run(CHUNK);
         steps += CHUNK;
     }
+    if let Some(team) = &team {
+        machine::charge_help(team);
+    }
     Some(Timed {
         size: scene.size(),
         steps,
@@ -284,7 +287,7 @@ fn time(job: &Job, team: usize, start: &Barrier) -> Option<Timed> {
     })
 }
 
-/// Rates are sums over threads, by the wall clock; `cpu_share` is below 1 where the machine had other work.
+/// Rates are sums over threads, by the wall clock; `cpu_share`, of a whole team, is below its size where the machine had other work.
 fn figures(timed: &[Timed], job: &Job) -> Value {
     let (size, settings) = (timed[0].size, &job.settings);
     let steps_per_second: f64 = timed

@@ -54,18 +54,23 @@ fn spool() -> PathBuf {
 }
 
 impl Args {
-    fn config(&self) -> Config {
+    fn config(&self) -> anyhow::Result<Config> {
         let threads = self.threads.unwrap_or_else(all_cores);
-        let usual = Config::new(threads / usize::from(self.threads_per_job));
+        let per_job = usize::from(self.threads_per_job);
+        anyhow::ensure!(
+            per_job <= threads,
+            "--threads-per-job = {per_job}: must be at most --threads, {threads}"
+        );
+        let usual = Config::new(threads / per_job);
         let memory = |gib: u64| (gib << 30) / usual.slots as u64;
-        Config {
+        Ok(Config {
             name: self.name.clone().unwrap_or_else(|| usual.name.clone()),
             memory_bytes: self.memory_gib.map_or(usual.memory_bytes, memory),
             checkpoint_every: Duration::from_secs(self.checkpoint_s),
             spool: Some(self.spool.clone()),
             archive: self.archive.open(),
             ..usual
-        }
+        })
     }
 }
 
@@ -74,7 +79,7 @@ pub(crate) async fn run(args: Args) -> anyhow::Result<Done> {
     log::to_stderr(tracing::Level::INFO);
     let token = args.server.token()?;
     let client = HttpLeaseClient::new(&args.server.server, token.as_deref())?;
-    let config = args.config();
+    let config = args.config()?;
     tracing::info!(
         worker.name = config.name,
         worker.slots = config.slots,
