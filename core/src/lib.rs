@@ -15,6 +15,7 @@
 pub mod identity;
 pub mod outcome;
 pub mod parameter;
+pub mod physics;
 
 pub mod lanes;
 pub mod math;
@@ -49,7 +50,4 @@ pub mod stage;
 
 pub mod model;
 
-/// The version of the physics: raised whenever the bits of any outcome change.
-///
-/// It enters every [`identity::StageId`], so outcomes of another version are never taken for this one's.
-pub const PHYSICS_VERSION: u32 = 6;
+pub use physics::PHYSICS_VERSION;

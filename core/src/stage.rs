@@ -1,16 +1,16 @@
 //! Stages: pure units of work, named by their content.
 //!
-//! A stage's outcome is a function of its spec alone (and of [`crate::PHYSICS_VERSION`], which its identity holds).
+//! A stage's outcome is a function of its spec alone (and of its experiment's version in [`crate::physics`], which its identity holds).
 //! Stages that ask the same packing the same kind of question run side by side, as the lanes of one ensemble.
 
 use serde::{Deserialize, Serialize};
 
-use crate::PHYSICS_VERSION;
 use crate::beam::spec::{BendSpec, GrowSpec, JamSpec};
 use crate::identity::{StageId, canonical_json};
 use crate::lanes::VectorWidth;
 use crate::memory::spec::{PackSpec, Precision, RecallSpec, TrainSpec};
 use crate::memory::waveform::Waveform;
+use crate::physics;
 
 mod choose;
 mod work;
@@ -50,6 +50,15 @@ impl StageKind {
         Self::Jam,
         Self::Bend,
     ];
+
+    /// The physics version of its experiment, which enters its identity.
+    #[must_use]
+    pub fn physics(self) -> u32 {
+        match self {
+            Self::Pack | Self::Train | Self::Recall => physics::MEMORY,
+            Self::Grow | Self::Jam | Self::Bend => physics::BEAM,
+        }
+    }
 
     /// The name in the database and on the wire.
     #[must_use]
@@ -110,7 +119,7 @@ impl StageSpec {
     pub fn id(&self) -> StageId {
         StageId::of_bytes(
             canonical_json(&Identity {
-                physics: PHYSICS_VERSION,
+                physics: self.kind().physics(),
                 stage: self,
             })
             .as_bytes(),
@@ -200,7 +209,7 @@ pub fn checkpoint_step(bytes: &[u8]) -> Option<u64> {
     struct Step {
         step: u64,
     }
-    crate::state_file::read_header::<Step>(bytes)
-        .ok()
-        .map(|header| header.step)
+    let of = |version| crate::state_file::read_header::<Step>(version, bytes).ok();
+    let header = of(physics::MEMORY).or_else(|| of(physics::BEAM));
+    header.map(|header| header.step)
 }

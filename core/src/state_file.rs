@@ -6,7 +6,6 @@
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-use crate::PHYSICS_VERSION;
 use crate::grains::{Motion, Pose};
 use crate::identity::canonical_json;
 use crate::neighbor::Key;
@@ -24,9 +23,9 @@ pub struct Remembered {
     pub history: Vec<f64>,
 }
 
-/// Reads only the header of a file.
-pub(crate) fn read_header<H: DeserializeOwned>(bytes: &[u8]) -> Result<H, String> {
-    Reader::new(bytes).map(|(header, _)| header)
+/// Reads only the header of a file of this physics version.
+pub(crate) fn read_header<H: DeserializeOwned>(physics: u32, bytes: &[u8]) -> Result<H, String> {
+    Reader::new(physics, bytes).map(|(header, _)| header)
 }
 
 /// Writes a state file.
@@ -38,10 +37,10 @@ impl Writer {
         self.0
     }
 
-    /// Begins a file with its header.
-    pub(crate) fn new<H: Serialize>(header: &H) -> Self {
+    /// Begins a file of this physics version with its header.
+    pub(crate) fn new<H: Serialize>(physics: u32, header: &H) -> Self {
         let mut bytes = MAGIC.to_vec();
-        bytes.extend(PHYSICS_VERSION.to_le_bytes());
+        bytes.extend(physics.to_le_bytes());
         let header = canonical_json(header);
         bytes.extend((header.len() as u32).to_le_bytes());
         bytes.extend(header.as_bytes());
@@ -113,16 +112,19 @@ impl Writer {
 pub(crate) struct Reader<'a>(&'a [u8]);
 
 impl<'a> Reader<'a> {
-    /// The header of a file, and the rest of it.
-    pub(crate) fn new<H: DeserializeOwned>(bytes: &'a [u8]) -> Result<(H, Self), String> {
+    /// The header of a file of this physics version, and the rest of it.
+    pub(crate) fn new<H: DeserializeOwned>(
+        physics: u32,
+        bytes: &'a [u8],
+    ) -> Result<(H, Self), String> {
         let mut reader = Self(bytes);
         if reader.take(MAGIC.len())? != MAGIC {
             return Err("not a state file".to_owned());
         }
         let version = reader.word()?;
-        if version != PHYSICS_VERSION {
+        if version != physics {
             return Err(format!(
-                "state of physics version {version}; this is {PHYSICS_VERSION}"
+                "state of physics version {version}; this is {physics}"
             ));
         }
         let length = reader.word()? as usize;

@@ -16,6 +16,7 @@ const LEVELS: [(bool, &[&str]); 11] = [
             "identity",
             "outcome",
             "parameter",
+            "physics",
             "lanes",
             "math",
             "random",

@@ -13,10 +13,10 @@ use granary_core::stage::StageSpec;
 use serde_json::{Value, json};
 
 /// E_p \[MPa\] of all packings that are archived, each compacted with every friction of protocol A.
-const COMPACTED: [f64; 1] = [100.0];
+const COMPACTED: [f64; 2] = [10.0, 100.0];
 
 /// E_p \[MPa\] and seed of the packings that are bent with all frictions of both protocols.
-const BENT: [(f64, u64); 2] = [(100.0, 1), (100.0, 2)];
+const BENT: [(f64, u64); 3] = [(100.0, 1), (100.0, 2), (100.0, 3)];
 
 /// μ of the packings and beams of protocol A.
 const FRICTIONS: [f64; 7] = [0.0, 0.1, 0.2, 0.3, 0.6, 0.9, 1.2];
@@ -25,7 +25,7 @@ const FRICTIONS: [f64; 7] = [0.0, 0.1, 0.2, 0.3, 0.6, 0.9, 1.2];
 const OF_B: [f64; 4] = [0.3, 0.6, 0.9, 1.2];
 
 /// E_p \[MPa\] and μ of beams of protocol B that are archived for every one of these E_p, from soft to hard.
-const OF_STIFFNESS: ([f64; 3], [f64; 4]) = ([5.0, 10.0, 100.0], OF_B);
+const OF_STIFFNESS: ([f64; 4], [f64; 4]) = ([5.0, 10.0, 50.0, 100.0], OF_B);
 
 /// What is archived of a stage under its identity.
 fn archived(spec: &StageSpec, ending: &str) -> Value {

@@ -9,7 +9,6 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use granary_core::PHYSICS_VERSION;
 use granary_core::identity::ResultHash;
 use granary_core::stage::{Outcome, StageFailure, StageSpec};
 use serde::{Deserialize, Serialize};
@@ -114,7 +113,7 @@ impl Archive {
             };
             let entry = Entry {
                 stage: spec.clone(),
-                physics: PHYSICS_VERSION,
+                physics: spec.kind().physics(),
                 engine: env!("CARGO_PKG_VERSION").to_owned(),
                 wall_s: share(finished.wall),
                 cpu_s: share(finished.cpu),
@@ -136,7 +135,7 @@ impl Archive {
     fn read(&self, spec: &StageSpec) -> Option<(StageResult, Entry)> {
         let entry = std::fs::read(self.place(spec, "json")).ok()?;
         let entry: Entry = serde_json::from_slice(&entry).ok()?;
-        if entry.stage != *spec || entry.physics != PHYSICS_VERSION {
+        if entry.stage != *spec || entry.physics != spec.kind().physics() {
             return None;
         }
         let result = match &entry.end {

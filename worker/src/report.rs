@@ -64,7 +64,11 @@ impl Report {
     }
 
     fn add_outcome(&mut self, job: &LeasedJob, outcome: Outcome, provenance: &Provenance) {
-        let (outcome, files) = JobOutcome::new(job.job, outcome, provenance.clone());
+        let provenance = Provenance {
+            physics_version: job.spec.kind().physics(),
+            ..provenance.clone()
+        };
+        let (outcome, files) = JobOutcome::new(job.job, outcome, provenance);
         let files = files.into_iter();
         self.artifacts
             .extend(files.map(|(hash, bytes)| (hash, Bytes::from(bytes))));

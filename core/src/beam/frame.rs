@@ -118,6 +118,7 @@ impl Frame {
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
+    use crate::physics;
     use crate::state_file::{Reader, Writer};
 
     /// Two grains, the second with a number of nine digits, in a membrane of one tetrahedron.
@@ -155,10 +156,10 @@ pub(super) mod tests {
             frame(3, finite),
             Frame::default(),
         ] {
-            let mut writer = Writer::new(&());
+            let mut writer = Writer::new(physics::BEAM, &());
             one.write(&mut writer);
             let bytes = writer.into_bytes();
-            let ((), mut reader) = Reader::new(&bytes).expect("a header");
+            let ((), mut reader) = Reader::new(physics::BEAM, &bytes).expect("a header");
             assert_eq!(Frame::read(&mut reader), Ok(one));
             assert_eq!(reader.end(), Ok(()));
         }

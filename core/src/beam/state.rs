@@ -8,6 +8,7 @@ use super::spec::{GrowSpec, JamSpec};
 use crate::contact::TangentialLaw;
 use crate::grains::{Motion, Pose, UPRIGHT};
 use crate::outcome::StageFailure;
+use crate::physics;
 use crate::scene::casing::Held;
 use crate::scene::history_components;
 use crate::state_file::{Reader, Remembered, Writer, read_header};
@@ -44,7 +45,7 @@ pub(crate) struct Snapshot<H> {
 
 /// The specs that led to the state in `bytes`.
 pub(crate) fn past(bytes: &[u8]) -> Result<Past, StageFailure> {
-    read_header(bytes).map_err(|detail| unreadable(&detail))
+    read_header(physics::BEAM, bytes).map_err(|detail| unreadable(&detail))
 }
 
 fn unreadable(detail: &str) -> StageFailure {
@@ -83,7 +84,7 @@ impl<H: Serialize + DeserializeOwned> Snapshot<H> {
 
     /// The bytes of the file.
     pub(crate) fn to_bytes(&self) -> Vec<u8> {
-        let mut writer = Writer::new(&self.header);
+        let mut writer = Writer::new(physics::BEAM, &self.header);
         let pose = |&position: &[f64; 3]| Pose {
             position,
             orientation: UPRIGHT,
@@ -139,7 +140,7 @@ impl<H: Serialize + DeserializeOwned> Snapshot<H> {
     }
 
     fn read(bytes: &[u8]) -> Result<(Self, &[u8]), String> {
-        let (header, mut reader) = Reader::new(bytes)?;
+        let (header, mut reader) = Reader::new(physics::BEAM, bytes)?;
         let (poses, motions) = reader.grains()?;
         let reference: Vec<[f64; 3]> = poses.iter().map(|pose| pose.position).collect();
         let displacements = reader.vectors()?;

@@ -4,7 +4,7 @@
 //! Otherwise it is scaled to the limit, and ξ is set so that elastic and damping force together equal it (Luding 2008).
 //! Apart from the damping this is the law of Cundall and Strack.
 
-use super::elongation::carried;
+use super::elongation::turned;
 use super::{Contact, TangentialLaw};
 use crate::lanes::{Lane, Mask};
 use crate::math::Vec3;
@@ -23,9 +23,13 @@ pub struct Hooke {
 /// Law H's constants in registers.
 #[derive(Clone, Copy, Debug)]
 pub struct HookeConstants<L> {
+    /// −k.
     stiffness: L,
+    /// −1/k.
     compliance: L,
     damping: L,
+    /// −γ.
+    drag: L,
     friction_coefficient: L,
 }
 
@@ -38,9 +42,10 @@ impl TangentialLaw for Hooke {
     #[inline(always)]
     fn constants<L: Lane>(&self) -> HookeConstants<L> {
         HookeConstants {
-            stiffness: L::constant(self.stiffness),
-            compliance: L::constant(1.0 / self.stiffness),
+            stiffness: L::constant(-self.stiffness),
+            compliance: L::constant(-1.0 / self.stiffness),
             damping: L::constant(self.damping),
+            drag: L::constant(-self.damping),
             friction_coefficient: L::constant(self.friction_coefficient),
         }
     }
@@ -52,13 +57,11 @@ impl TangentialLaw for Hooke {
         history: &mut [L; 3],
     ) -> Vec3<L> {
         let [x, y, z] = *history;
-        let carried = carried(Vec3 { x, y, z }, contact.normal);
-        let elongation = contact
-            .sliding_velocity
-            .scale_add(contact.time_step, carried);
-        let damping = contact.sliding_velocity.scale(law.damping);
+        let turned = turned(Vec3 { x, y, z }, contact.normal);
+        let sliding = contact.sliding_velocity;
+        let elongation = sliding.scale_add(contact.time_step, turned);
         // The force on `i` opposes the path of `i`.
-        let trial = elongation.scale(-law.stiffness) - damping;
+        let trial = elongation.scale_add(law.stiffness, sliding.scale(law.drag));
 
         let limit = law.friction_coefficient * contact.normal_force;
         let square = trial.dot(trial);
@@ -67,7 +70,9 @@ impl TangentialLaw for Hooke {
         if slipping.any() {
             let limited = trial.scale(limit / square.sqrt());
             // −k ξ − γ v_t = limited.
-            let relaxed = (limited + damping).scale(-law.compliance);
+            let relaxed = sliding
+                .scale_add(law.damping, limited)
+                .scale(law.compliance);
             force = limited.select(slipping, trial);
             kept = relaxed.select(slipping, elongation);
         }

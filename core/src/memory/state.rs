@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::spec::{PackSpec, TrainSpec};
 use crate::grains::{Motion, Pose};
+use crate::physics;
 use crate::state_file::{Reader, Remembered, Writer};
 
 /// The specs that led to a state: all that a later stage needs to know of its past.
@@ -37,7 +38,7 @@ impl PackState {
     /// The bytes of the file.
     #[must_use]
     pub fn to_bytes(&self) -> Vec<u8> {
-        let mut writer = Writer::new(&self.past);
+        let mut writer = Writer::new(physics::MEMORY, &self.past);
         writer.grains(&self.poses, &self.motions);
         writer.contacts(&self.contacts);
         writer.into_bytes()
@@ -45,7 +46,7 @@ impl PackState {
 
     /// Reads a file; the error says what is wrong with it.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, String> {
-        let (past, mut reader) = Reader::new(bytes)?;
+        let (past, mut reader) = Reader::new(physics::MEMORY, bytes)?;
         let (poses, motions) = reader.grains()?;
         let contacts = reader.contacts(poses.len())?;
         reader.end()?;
@@ -77,7 +78,7 @@ impl<H: Serialize + DeserializeOwned> Checkpoint<H> {
     /// The bytes of the file.
     #[must_use]
     pub fn to_bytes(&self) -> Vec<u8> {
-        let mut writer = Writer::new(&self.header);
+        let mut writer = Writer::new(physics::MEMORY, &self.header);
         writer.poses(&self.reference);
         writer.grains(&self.offsets, &self.motions);
         writer.contacts(&self.contacts);
@@ -86,7 +87,7 @@ impl<H: Serialize + DeserializeOwned> Checkpoint<H> {
 
     /// Reads a file; the error says what is wrong with it.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, String> {
-        let (header, mut reader) = Reader::new(bytes)?;
+        let (header, mut reader) = Reader::new(physics::MEMORY, bytes)?;
         let reference = reader.poses()?;
         let (offsets, motions) = reader.grains()?;
         let contacts = reader.contacts(offsets.len())?;

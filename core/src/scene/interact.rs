@@ -2,10 +2,14 @@
 //!
 //! Nothing here knows where the numbers come from, or whether lanes are replicas or contacts.
 
+mod length;
+
 use crate::contact::{Contact, TangentialLaw, hertz};
 use crate::lanes::Lane;
 use crate::math::Vec3;
 use crate::scene::{Laws, Physics};
+
+use length::inverse_length_and_overlap;
 
 /// Constants of all contacts in registers.
 #[derive(Clone, Copy)]
@@ -76,36 +80,35 @@ pub(super) struct Geometry<L> {
     pub(super) root_overlap: L,
 }
 
-/// p = −(|L|² − s²)/(|L| + s) with s = R_i + R_j, with one division for p and n̂ together.
+/// From the branch vector of two spheres that touch.
 #[inline(always)]
 pub(super) fn geometry<L: Lane, P: Physics>(branch: Branch<L>, radii: [L; 2]) -> Geometry<L> {
+    if P::GRADED {
+        return graded(branch, radii);
+    }
+    let (inverse, overlap) = inverse_length_and_overlap(branch.excess);
+    Geometry {
+        normal: branch.vector.scale(inverse),
+        overlap,
+        root_overlap: overlap.sqrt(),
+    }
+}
+
+/// p = −(|L|² − s²)/(|L| + s) with s = R_i + R_j, with one division for p, n̂ and R_eff together.
+#[inline(always)]
+fn graded<L: Lane>(branch: Branch<L>, radii: [L; 2]) -> Geometry<L> {
     let excess = branch.excess;
-    let (reach, square) = if P::GRADED {
-        let reach = radii[0] + radii[1];
-        (reach, reach * reach)
-    } else {
-        (L::constant(2.0), L::constant(4.0))
-    };
-    let length = (excess + square).sqrt();
+    let reach = radii[0] + radii[1];
+    let length = (excess + reach * reach).sqrt();
     let sum = length + reach;
     let both = length * sum;
-    let (inverse, inverse_reach) = if P::GRADED {
-        // One division for both.
-        let inverse = L::constant(1.0) / (both * reach);
-        (inverse * reach, inverse * both)
-    } else {
-        (L::constant(1.0) / both, L::constant(0.5))
-    };
+    let inverse_of_all = L::constant(1.0) / (both * reach);
+    let (inverse, inverse_reach) = (inverse_of_all * reach, inverse_of_all * both);
     let overlap = -excess * (inverse * length);
-    let root_overlap = if P::GRADED {
-        (radii[0] * radii[1] * inverse_reach * overlap).sqrt()
-    } else {
-        overlap.sqrt()
-    };
     Geometry {
         normal: branch.vector.scale(inverse * sum),
         overlap,
-        root_overlap,
+        root_overlap: (radii[0] * radii[1] * inverse_reach * overlap).sqrt(),
     }
 }
 
@@ -195,10 +198,14 @@ pub(super) fn interact<L: Lane, P: Physics>(
         };
         tangential = P::Tangential::force(&constants.tangential, &contact, history);
     }
-    let mut force = normal.scale(normal_force);
-    if P::Tangential::TANGENTIAL {
-        force = force + tangential;
-    }
+    // Beams keep the bits of a sum that is rounded twice.
+    let force = if !P::Tangential::TANGENTIAL {
+        normal.scale(normal_force)
+    } else if P::GRADED {
+        normal.scale(normal_force) + tangential
+    } else {
+        normal.scale_add(normal_force, tangential)
+    };
     Action {
         force,
         turning: if P::ORIENTED { force } else { tangential },

@@ -360,7 +360,7 @@ fn interact_eight<W: Lane<Row = F64x8, Scalar = f64>, P: Physics>(
         radius_i + radius_j,
     );
     let touching = branch.excess.lt(bound);
-    let touches: [bool; WIDE] = std::array::from_fn(|e| touching.bits() >> e & 1 == 1);
+    let touches = flags(touching.bits());
     if !touching.any() {
         if *live != touches {
             *live = touches;
@@ -388,6 +388,16 @@ fn interact_eight<W: Lane<Row = F64x8, Scalar = f64>, P: Physics>(
     let on_i = records(force, on_i, spare);
     let on_j = records(force.scale(W::constant(-1.0)), on_j, spare);
     adding.add(candidates, [on_i, on_j]);
+}
+
+/// One truth value for each of the lowest eight bits, by arithmetic on all at once.
+#[inline(always)]
+fn flags(bits: u32) -> [bool; WIDE] {
+    let each = u64::from(bits).wrapping_mul(0x0101_0101_0101_0101) & 0x8040_2010_0804_0201;
+    let highest = each + 0x7F7F_7F7F_7F7F_7F7F;
+    (highest >> 7 & 0x0101_0101_0101_0101)
+        .to_le_bytes()
+        .map(|flag| flag == 1)
 }
 
 /// The histories of eight contacts, one to a lane.

@@ -5,7 +5,6 @@ use std::sync::Arc;
 
 use granary_api::id::{LeaseId, WorkerId};
 use granary_api::lease::{JobOutcome, Provenance};
-use granary_core::PHYSICS_VERSION;
 use granary_core::stage::StageSpec;
 use serde_json::json;
 use tokio::task::spawn_blocking;
@@ -67,7 +66,7 @@ impl Store {
     ) -> Result<(), StoreError> {
         let provenance = Provenance {
             engine_version: archived.engine_version,
-            physics_version: PHYSICS_VERSION,
+            physics_version: spec.kind().physics(),
             target: "unknown".to_owned(),
             worker: WorkerId(WORKER.to_owned()),
             steps: 0,

@@ -7,7 +7,6 @@ use std::collections::hash_map::Entry;
 use std::collections::{BTreeMap, HashMap, HashSet};
 
 use granary_api::job::JobState;
-use granary_core::PHYSICS_VERSION;
 use granary_core::identity::{StageId, canonical_json};
 use granary_core::stage::StageKind;
 
@@ -90,12 +89,12 @@ impl Rows {
         }
         insert_all(transaction, (ADD, ""), &rows, |row, (id, new)| {
             row.push_bind(*id).push_bind(&new.key.as_bytes()[..]);
-            row.push_bind(new.kind).push_bind(new.class.as_str());
+            row.push_bind(new.kind.name()).push_bind(new.class.as_str());
             row.push_bind(signed(new.lanes as u64))
                 .push_bind(signed(new.work.steps));
             row.push_bind(signed(new.work.grain_steps));
             row.push_bind(signed(new.work.bytes))
-                .push_bind(PHYSICS_VERSION);
+                .push_bind(new.kind.physics());
         })
         .await?;
         Ok(ids)

@@ -8,7 +8,10 @@ use granary_api::lease::{
     Heartbeat, HeartbeatReply, JobOutcome, JobProgress, LeaseGrant, LeaseRequest, LeasedJob,
 };
 use granary_api::problem::Mistake;
+use granary_core::PHYSICS_VERSION;
 use granary_core::identity::ArtifactHash;
+use granary_core::stage::StageKind;
+use serde_json::Value;
 use tokio::time::Instant;
 
 use super::event::Wanting;
@@ -175,8 +178,9 @@ async fn urgent(
     const FIRST: &str = "
         select j.ensemble, j.checkpoint_step, e.lanes
           from want w join job j on j.id = w.job join ensemble e on e.id = j.ensemble
-         where w.sweep = $1 and w.state = 'ready' and e.bytes <= $2 and e.physics = $3
+         where w.sweep = $1 and w.state = 'ready' and e.bytes <= $2 and e.physics = $3 ->> e.kind
          order by w.job limit 1";
+    let physics = physics_by_kind(request.physics_version);
     let sweeps: Vec<i64> = sqlx::query_scalar(SWEEPS)
         .fetch_all(&mut **transaction)
         .await?;
@@ -184,7 +188,7 @@ async fn urgent(
         let first: Option<(i64, Option<i64>, i64)> = sqlx::query_as(FIRST)
             .bind(sweep)
             .bind(super::signed(request.memory_bytes))
-            .bind(request.physics_version)
+            .bind(&physics)
             .fetch_optional(&mut **transaction)
             .await?;
         if let Some((ensemble, step, lanes)) = first {
@@ -192,6 +196,18 @@ async fn urgent(
         }
     }
     Ok(None)
+}
+
+/// The physics version of each kind of stage that an engine of `version` computes, as JSON.
+///
+/// Of another engine than this one nothing is known but that jobs from before it are not its own.
+fn physics_by_kind(version: u32) -> String {
+    let of = |kind: StageKind| {
+        let known = version == PHYSICS_VERSION;
+        let physics = if known { kind.physics() } else { version };
+        (kind.name().to_owned(), physics.into())
+    };
+    Value::Object(StageKind::ALL.into_iter().map(of).collect()).to_string()
 }
 
 async fn lease_add(

@@ -8,7 +8,7 @@ use std::collections::HashSet;
 
 use granary_core::identity::{StageId, canonical_json};
 use granary_core::model::{Model, ModelPoint};
-use granary_core::stage::{StageSpec, Work};
+use granary_core::stage::{StageKind, StageSpec, Work};
 use serde_json::Value;
 
 use super::{Axis, Plan};
@@ -33,7 +33,7 @@ pub struct NewEnsemble {
     /// Their common key.
     pub key: StageId,
     /// The kind of stage.
-    pub kind: &'static str,
+    pub kind: StageKind,
     /// Jobs of one class run at one speed.
     pub class: String,
     /// How many run side by side.
@@ -293,7 +293,7 @@ fn fragment(name: &str, value: &Value) -> String {
 fn new_ensemble(key: StageId, spec: &StageSpec, before: &[StageSpec]) -> NewEnsemble {
     NewEnsemble {
         key,
-        kind: spec.kind().name(),
+        kind: spec.kind(),
         class: spec.class(before),
         lanes: spec.max_lanes(),
         work: spec.work(before),

@@ -87,3 +87,11 @@ fn spheres_move_alike_whatever_the_threads() {
 fn tetrahedra_move_alike_whatever_the_threads() {
     threads_change_no_bit::<Tetrahedron>(&Body::tetrahedron(0.6), 2.4);
 }
+
+#[test]
+fn every_bit_becomes_its_flag() {
+    for bits in 0..=0xFFu32 {
+        let one_by_one = std::array::from_fn(|e| bits >> e & 1 == 1);
+        assert_eq!(super::flags(bits), one_by_one, "{bits:08b}");
+    }
+}

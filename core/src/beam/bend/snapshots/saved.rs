@@ -8,12 +8,13 @@ use crate::beam::rig::{Beam, Friction};
 use crate::beam::structure::ContactForce;
 use crate::beam::structure::voronoi::local_volume_fractions;
 use crate::outcome::StageFailure;
+use crate::physics;
 use crate::state_file::{Reader, Writer};
 
 impl Snapshots {
     /// The bytes of the file.
     pub(in crate::beam::bend) fn to_bytes(&self) -> Vec<u8> {
-        let mut writer = Writer::new(&self.course);
+        let mut writer = Writer::new(physics::BEAM, &self.course);
         writer.count(usize::from(self.last.is_some()));
         if let Some(last) = &self.last {
             write_interior(&mut writer, &last.interior);
@@ -57,7 +58,7 @@ type Read = (Course, Option<Interior>, Vec<Frame>);
 
 /// Course, last snapshot and frames; what no bending changes is as it is `now`.
 fn read(bytes: &[u8], now: Interior) -> Result<Read, String> {
-    let (course, mut reader) = Reader::new(bytes)?;
+    let (course, mut reader) = Reader::new(physics::BEAM, bytes)?;
     let last = match reader.word()? {
         0 => None,
         _ => Some(read_interior(&mut reader, now)?),

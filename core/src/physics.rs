@@ -1,0 +1,19 @@
+//! The versions of the physics: raised whenever the bits of any outcome change.
+//!
+//! An experiment's version is that of the engine when its outcomes changed last.
+//! It enters every [`crate::identity::StageId`] and every state, so those of another version are never taken for this one's,
+//! and what changes one experiment leaves the outcomes of the other as they are.
+
+/// Of the engine as a whole: a worker is given work by a server of the same version.
+pub const PHYSICS_VERSION: u32 = 7;
+
+/// Of the waveform-memory experiment.
+pub const MEMORY: u32 = 7;
+
+/// Of the bending beam.
+pub const BEAM: u32 = 6;
+
+const _: () = assert!(
+    PHYSICS_VERSION == MEMORY || PHYSICS_VERSION == BEAM,
+    "the engine's version is that of the experiment that changed last"
+);
