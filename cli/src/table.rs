@@ -49,11 +49,15 @@ impl Table {
     }
 }
 
-/// A number with six significant digits, as short as it goes.
+/// A number with six significant digits, four where it needs a power of ten, as short as it goes.
 pub(crate) fn number(value: f64) -> String {
     let magnitude = value.abs();
     if magnitude != 0.0 && !(1e-3..1e7).contains(&magnitude) {
-        return format!("{value:.3e}");
+        let text = format!("{value:.3e}");
+        return match text.split_once('e') {
+            Some((digits, power)) => format!("{}e{power}", short(digits)),
+            None => text,
+        };
     }
     let whole = if magnitude < 1.0 {
         0
@@ -61,9 +65,13 @@ pub(crate) fn number(value: f64) -> String {
         magnitude.log10() as usize
     };
     let text = format!("{value:.*}", 5usize.saturating_sub(whole));
+    short(&text).to_owned()
+}
+
+/// A decimal fraction without zeros at its end.
+fn short(text: &str) -> &str {
     if text.contains('.') {
-        let text = text.trim_end_matches('0').trim_end_matches('.');
-        text.to_owned()
+        text.trim_end_matches('0').trim_end_matches('.')
     } else {
         text
     }
@@ -192,15 +200,7 @@ mod tests {
         .into_iter()
         .map(number)
         .collect();
-        let expected = [
-            "0",
-            "1",
-            "-0.25",
-            "174000",
-            "123457",
-            "3.000e-15",
-            "0.91235",
-        ];
+        let expected = ["0", "1", "-0.25", "174000", "123457", "3e-15", "0.91235"];
         assert_eq!(shown, expected);
     }
 
