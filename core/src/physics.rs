@@ -4,7 +4,7 @@
 //! It enters every [`crate::identity::StageId`] and every state, so those of another version are never taken for this one's,
 //! and what changes one experiment leaves the outcomes of the other as they are.
 
-/// Of the engine as a whole: a worker is given work by a server of the same version.
+/// Of the engine as a whole: a worker names it when it asks for work, and is given what an engine of that version computes.
 pub const PHYSICS_VERSION: u32 = 7;
 
 /// Of the waveform-memory experiment.

@@ -23,13 +23,9 @@ pub struct Hooke {
 /// Law H's constants in registers.
 #[derive(Clone, Copy, Debug)]
 pub struct HookeConstants<L> {
-    /// −k.
     stiffness: L,
-    /// −1/k.
     compliance: L,
     damping: L,
-    /// −γ.
-    drag: L,
     friction_coefficient: L,
 }
 
@@ -42,10 +38,9 @@ impl TangentialLaw for Hooke {
     #[inline(always)]
     fn constants<L: Lane>(&self) -> HookeConstants<L> {
         HookeConstants {
-            stiffness: L::constant(-self.stiffness),
-            compliance: L::constant(-1.0 / self.stiffness),
+            stiffness: L::constant(self.stiffness),
+            compliance: L::constant(1.0 / self.stiffness),
             damping: L::constant(self.damping),
-            drag: L::constant(-self.damping),
             friction_coefficient: L::constant(self.friction_coefficient),
         }
     }
@@ -61,7 +56,7 @@ impl TangentialLaw for Hooke {
         let sliding = contact.sliding_velocity;
         let elongation = sliding.scale_add(contact.time_step, turned);
         // The force on `i` opposes the path of `i`.
-        let trial = elongation.scale_add(law.stiffness, sliding.scale(law.drag));
+        let trial = elongation.scale_sub(law.stiffness, sliding.scale(-law.damping));
 
         let limit = law.friction_coefficient * contact.normal_force;
         let square = trial.dot(trial);
@@ -72,7 +67,7 @@ impl TangentialLaw for Hooke {
             // −k ξ − γ v_t = limited.
             let relaxed = sliding
                 .scale_add(law.damping, limited)
-                .scale(law.compliance);
+                .scale(-law.compliance);
             force = limited.select(slipping, trial);
             kept = relaxed.select(slipping, elongation);
         }

@@ -200,7 +200,7 @@ async fn urgent(
 
 /// The physics version of each kind of stage that an engine of `version` computes, as JSON.
 ///
-/// Of another engine than this one nothing is known but that jobs from before it are not its own.
+/// Of an engine of another version it is known only that it computes what changed with that version; it is given no more.
 fn physics_by_kind(version: u32) -> String {
     let of = |kind: StageKind| {
         let known = version == PHYSICS_VERSION;
