@@ -91,6 +91,13 @@ pub struct SetRow {
     /// How much of Eq. (4) a fit's strengths determine: `exponential`, `step`, `straight`, `constant` or `too_few_points`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub shape: Option<String>,
+    /// A study's setting in words, such as `time_step 0.5`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub setting: Option<String>,
+    /// What a study says of a setting: `reference`, `front` (no other is cheaper and at least as accurate), `beaten` or
+    /// `incomplete` (a packing without a result).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub verdict: Option<String>,
     /// Members that count so far.
     pub n: u64,
     /// Members in all.

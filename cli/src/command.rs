@@ -2,8 +2,8 @@
 
 use crate::failure::Done;
 use crate::{
-    bench, demo, figures, health, models, openapi, replay, results, run, serve, steer, submit,
-    sweeps, token, watch, worker, workers,
+    bench, demo, figures, health, models, openapi, replay, results, run, serve, steer, study,
+    submit, sweeps, token, watch, worker, workers,
 };
 
 /// What `granary` can be told to do.
@@ -11,6 +11,7 @@ use crate::{
 pub(crate) enum Command {
     Demo(demo::Args),
     Run(run::Args),
+    Study(study::Args),
     Serve(serve::Args),
     Worker(worker::Args),
     Submit(submit::Args),
@@ -41,6 +42,7 @@ impl Command {
         match self {
             Self::Demo(args) => demo::run(args).await,
             Self::Run(args) => run::run(args).await,
+            Self::Study(args) => study::run(args).await,
             Self::Serve(args) => serve::run(args).await,
             Self::Worker(args) => worker::run(args).await,
             Self::Submit(args) => submit::run(args).await,

@@ -2,8 +2,8 @@
 
 mod catalog;
 mod data;
-mod drawing;
-mod svg;
+pub(crate) mod drawing;
+pub(crate) mod svg;
 mod tables;
 
 mod beams;

@@ -27,6 +27,7 @@ mod results;
 mod run;
 mod serve;
 mod steer;
+mod study;
 mod submit;
 mod sweeps;
 mod token;

@@ -151,8 +151,10 @@ pub(crate) fn sets(rows: &[SetRow]) -> Table {
         let name = name.trim_end_matches("_sem");
         name.trim_end_matches("_error").to_owned()
     });
-    // Of a score the processing, of a fit the shape.
-    let how = if rows.iter().any(|row| row.shape.is_some()) {
+    // Of a score the processing, of a fit the shape, of a setting the verdict.
+    let how = if rows.iter().any(|row| row.verdict.is_some()) {
+        "verdict"
+    } else if rows.iter().any(|row| row.shape.is_some()) {
         "shape"
     } else {
         "processing"
@@ -162,7 +164,8 @@ pub(crate) fn sets(rows: &[SetRow]) -> Table {
     heading.extend(["n".to_owned(), "remark".to_owned()]);
     let mut table = Table::new(heading);
     for row in rows {
-        let how = row.processing.as_ref().or(row.shape.as_ref());
+        let how = row.verdict.as_ref().or(row.processing.as_ref());
+        let how = how.or(row.shape.as_ref());
         let how = how.cloned().unwrap_or_default();
         let mut cells = vec![row.set.to_string(), row.reduce.clone(), how];
         cells.extend(

@@ -20,6 +20,7 @@ pub mod physics;
 pub mod lanes;
 pub mod math;
 pub mod random;
+pub mod study;
 
 pub mod material;
 pub mod shape;

@@ -11,6 +11,7 @@ use crate::memory::spec::MemoryPoint;
 use crate::memory::waveform::Waveform;
 use crate::parameter::{Parameter, Preset, Quantity, Rule};
 use crate::stage::{StageKind, StageSpec};
+use crate::study::Judged;
 
 /// An experiment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -111,6 +112,15 @@ impl Model {
         match self {
             Self::Memory => memory::results::RESULTS,
             Self::Beam => beam::results::RESULTS,
+        }
+    }
+
+    /// The results of a set by which studies judge settings.
+    #[must_use]
+    pub fn judged(self) -> &'static [Judged] {
+        match self {
+            Self::Memory => memory::results::JUDGED,
+            Self::Beam => beam::results::JUDGED,
         }
     }
 
@@ -268,8 +278,12 @@ mod tests {
     }
 
     #[test]
-    fn rules_leaves_and_pairs_name_parameters() {
+    fn rules_leaves_and_pairs_name_parameters_and_studies_name_results() {
         for model in Model::ALL {
+            for judged in model.judged() {
+                let known = model.results().iter().any(|row| row.name == judged.name);
+                assert!(known, "{}", judged.name);
+            }
             let named = |name: &str| assert!(model.parameter(name).is_some(), "{name}");
             model.leaves().iter().for_each(|name| named(name));
             for rule in model.rules() {

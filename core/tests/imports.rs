@@ -20,6 +20,7 @@ const LEVELS: [(bool, &[&str]); 11] = [
             "lanes",
             "math",
             "random",
+            "study",
         ],
     ),
     (false, &["material", "shape"]),

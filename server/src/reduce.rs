@@ -9,6 +9,7 @@ use granary_core::memory::score::{Dots, Processing, Score};
 use serde_json::{Map, Value};
 
 pub mod strength;
+pub mod study;
 
 /// One point as a score sees it.
 #[derive(Clone, Debug)]
@@ -21,6 +22,8 @@ pub struct Member {
     pub dots: Option<Dots>,
     /// Whether it has an outcome, with dot products or without.
     pub done: bool,
+    /// What stopped it, in a word, if it has failed.
+    pub failure: Option<String>,
     /// E \[Pa\], δ0 and γ0.
     pub scale: [f64; 3],
 }
@@ -46,6 +49,8 @@ struct Collected {
     done: u64,
     /// Whether a member is done and the zero waveform that it is compared with is not.
     awaits_zero: bool,
+    /// What stopped the first member that has failed.
+    failure: Option<String>,
 }
 
 impl Scorer {
@@ -73,6 +78,7 @@ impl Scorer {
                 open: false,
                 done: 0,
                 awaits_zero: false,
+                failure: None,
             });
             self.sets.len() - 1
         });
@@ -81,6 +87,9 @@ impl Scorer {
         set.open |= member.open;
         set.done += u64::from(member.done);
         set.awaits_zero |= member.done && member.open;
+        if set.failure.is_none() {
+            set.failure.clone_from(&member.failure);
+        }
         if let Some(dots) = member.dots {
             set.n += 1;
             set.dots += dots;
@@ -113,6 +122,8 @@ fn scored(set: Collected, processing: Processing) -> SetRow {
         reduce: "gain_fidelity".to_owned(),
         processing: Some(processing.name().to_owned()),
         shape: None,
+        setting: None,
+        verdict: None,
         parameters: set.parameters,
         results: results
             .into_iter()
@@ -135,14 +146,18 @@ fn score_reason(set: &Collected) -> Option<String> {
             "what the signals are compared with is missing: the zero waveform has failed"
         }
         0 if set.open => "no member is done yet",
-        0 => "no member has an outcome",
+        0 => match &set.failure {
+            Some(failure) => return Some(format!("no member has an outcome: {failure}")),
+            None => "no member has an outcome",
+        },
         _ => match Score::missing_reason(&set.dots) {
             Some(reason) if set.open => return Some(so_far(reason)),
             Some(reason) => reason,
             None if !set.open && set.n < set.of => {
+                let why = set.failure.as_deref().unwrap_or("failed or cancelled");
+                let missing = set.of - set.n;
                 return Some(format!(
-                    "{} of {} members are missing: failed or cancelled",
-                    set.of - set.n,
+                    "{missing} of {} members are missing: {why}",
                     set.of
                 ));
             }
@@ -216,6 +231,8 @@ fn mean(parameters: Map<String, Value>, members: &[&SetRow]) -> SetRow {
         reduce: "mean_sem".to_owned(),
         processing: members[0].processing.clone(),
         shape: None,
+        setting: None,
+        verdict: None,
         parameters,
         n: counted.len() as u64,
         of: members.len() as u64,
@@ -305,7 +322,7 @@ fn moments(values: &[f64]) -> (Option<f64>, Option<f64>) {
 }
 
 /// A text that two points have in common if they differ in `over` only.
-fn key(parameters: &Map<String, Value>, over: &[String]) -> String {
+pub(crate) fn key(parameters: &Map<String, Value>, over: &[String]) -> String {
     let mut key = String::new();
     for (name, value) in parameters.iter().filter(|(name, _)| !over.contains(name)) {
         key.push_str(name);

@@ -9,6 +9,7 @@ mod artifact;
 mod bulk;
 mod chunk;
 mod completion;
+mod cost;
 mod detail;
 mod ending;
 mod error;

@@ -9,6 +9,7 @@ mod mistakes;
 pub mod reduction;
 mod rules;
 mod section;
+mod study;
 mod suite;
 
 use std::collections::BTreeMap;
@@ -64,7 +65,7 @@ pub struct Plan {
 /// The sections that fix parameters.
 const SECTIONS: [&str; 3] = ["fixed", "numerics", "preparation"];
 /// Every field of a spec.
-const FIELDS: [&str; 9] = [
+const FIELDS: [&str; 10] = [
     "name",
     "model",
     "preset",
@@ -74,6 +75,7 @@ const FIELDS: [&str; 9] = [
     "preparation",
     "grid",
     "reduce",
+    "study",
 ];
 /// Values of an axis that reductions look at.
 const FIRST_VALUES: usize = 4;
@@ -102,13 +104,37 @@ impl Plan {
         }
         let (grids, points) = grids(table.get("grid"), &sections, limits, &mut mistakes);
         sections.take_back(&grids, &mut mistakes);
-        rules::check(table.get("grid"), &grids, &sections, &mut mistakes);
+        let study = table.get("study");
+        let study = study.and_then(|study| study::read(study, &sections, &grids, &mut mistakes));
+        let settings = study.as_ref().map(|study| study.settings.as_slice());
+        rules::check(
+            table.get("grid"),
+            &grids,
+            &sections,
+            settings,
+            &mut mistakes,
+        );
         let fixed = sections.fixed;
         let axes = values_by_axis(table.get("grid"), &grids);
-        let reductions = match table.get("reduce") {
+        let mut reductions = match table.get("reduce") {
             Some(value) => reduction::read(value, model, &axes, &fixed, &mut mistakes),
+            None if study.is_some() => reduction::before_study(model),
             None => reduction::usual(model, &axes),
         };
+        let points = points.saturating_mul(settings.map_or(1, |all| all.len() as u64));
+        if points > limits.points {
+            let most = limits.points;
+            let detail =
+                format!("{points} points in all settings: a sweep may have at most {most}");
+            mistakes.add("/study", detail);
+        }
+        if let Some(study) = &study {
+            let link = reduction::study(study, &reductions, &axes, &mut mistakes);
+            reductions.push(link);
+        }
+        let compared = study.map(|study| compared(&grids, &study, model));
+        drop(axes);
+        let grids = compared.unwrap_or(grids);
         let name = name(table.get("name"), model, &mut mistakes);
         let priority = priority(table.get("priority"), &mut mistakes);
         if !mistakes.is_empty() {
@@ -186,6 +212,15 @@ impl Plan {
         serde_json::to_writer(&mut hasher, &identity).expect("plain data, and hashing never fails");
         *hasher.finalize().as_bytes()
     }
+}
+
+/// The grids of every setting of a study, the reference's first.
+fn compared(grids: &[Vec<Axis>], study: &study::Study, model: Model) -> Vec<Vec<Axis>> {
+    let of_setting = |setting: &study::Setting| -> Vec<Vec<Axis>> {
+        let with = |grid: &Vec<Axis>| grid.iter().cloned().chain(setting.axes(model)).collect();
+        grids.iter().map(with).collect()
+    };
+    study.settings.iter().flat_map(of_setting).collect()
 }
 
 /// The model, if the spec can be read any further.

@@ -72,6 +72,41 @@ fn an_archive_without_its_states_answers_at_once() {
 }
 
 #[test]
+fn a_study_says_what_each_setting_costs() {
+    let sandbox = Sandbox::new();
+    sandbox.write("tiny.toml", &tiny(12, "[1]", SIX));
+    let knobs = ["--knob", "time_step=0.3", "--setting", "preset=paper"];
+    let place = ["--data", "data", "--plot", "study.svg", "--json"];
+    let line = [&["study", "tiny.toml"], &knobs[..], &place[..]].concat();
+    let study = sandbox.run(&line).expect(0).json();
+    let rows = study["items"].as_array().expect("a list");
+    let told: Vec<_> = rows.iter().map(|row| &row["setting"]).collect();
+    assert_eq!(told, ["reference", "time_step 0.3", "preset paper"]);
+    for row in rows {
+        assert!(row["results"]["fidelity_error"].is_f64(), "{row}");
+        assert!(row["results"]["core_seconds"].is_f64(), "{row}");
+    }
+    let picture = std::fs::read_to_string(sandbox.path("study.svg")).expect("a picture");
+    assert!(picture.contains(">time_step<") && picture.contains(">preset paper<"));
+    // The planner reads what the options say as it reads a spec.
+    let wrong = [
+        "study",
+        "tiny.toml",
+        "--knob",
+        "tme_step=1",
+        "--data",
+        "data",
+    ];
+    let refused = sandbox.run(&wrong);
+    assert_eq!(refused.code, Some(2));
+    assert!(
+        refused.stderr.contains("did you mean time_step?"),
+        "{}",
+        refused.stderr
+    );
+}
+
+#[test]
 fn a_watcher_may_leave_and_the_sweep_goes_on() {
     let sandbox = Sandbox::new();
     sandbox.write("tiny.toml", &tiny(12, "[1]", SIX));

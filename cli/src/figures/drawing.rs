@@ -83,12 +83,23 @@ pub(crate) struct Vertical {
     pub(crate) color: usize,
 }
 
+/// A word beside a dot.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Note {
+    pub(crate) x: f64,
+    pub(crate) y: f64,
+    pub(crate) text: String,
+}
+
 /// Curves over one pair of axes.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Chart {
     pub(crate) title: String,
     pub(crate) x: Axis,
     pub(crate) y: Axis,
+    /// Whether both axes go by powers of ten; what is not positive is then not drawn.
+    pub(crate) logarithmic: bool,
+    pub(crate) notes: Vec<Note>,
     pub(crate) curves: Vec<Curve>,
     pub(crate) verticals: Vec<Vertical>,
     /// A smaller chart in its lower right corner.
@@ -102,6 +113,8 @@ impl Chart {
             title: title.to_owned(),
             x,
             y,
+            logarithmic: false,
+            notes: vec![],
             curves: vec![],
             verticals: vec![],
             inset: None,

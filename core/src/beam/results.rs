@@ -3,6 +3,7 @@
 //! Stresses and strains are nominal, by the dimensions of the mold, as in the paper's Table I, unless their name ends in `_actual`.
 
 use crate::parameter::Quantity;
+use crate::study::Judged;
 
 mod bending;
 
@@ -25,6 +26,18 @@ pub const MEANS: &[&str] = &[
     "imbalance_max",
     "imbalance_mean",
     "periods",
+];
+
+/// What studies judge settings by: the relative errors of E_b and Y_b.
+pub const JUDGED: &[Judged] = &[
+    Judged {
+        name: "beam_stiffness",
+        relative: true,
+    },
+    Judged {
+        name: "ultimate_strength",
+        relative: true,
+    },
 ];
 
 /// The results that may be `null` with a word why: those of [`super::strength::Reason`] and [`super::stiffness::NoStiffness`].

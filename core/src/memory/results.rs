@@ -1,6 +1,19 @@
 //! The result table of the memory experiment: symbol, unit and meaning of every number of a point or a set.
 
 use crate::parameter::Quantity;
+use crate::study::Judged;
+
+/// What studies judge settings by: 𝒢 by its relative error, 𝓕 by its error.
+pub const JUDGED: &[Judged] = &[
+    Judged {
+        name: "gain",
+        relative: true,
+    },
+    Judged {
+        name: "fidelity",
+        relative: false,
+    },
+];
 
 /// Every result, those of sets first; a set of means adds `_sem` to a name for its standard error.
 pub const RESULTS: &[Quantity] = &[

@@ -10,6 +10,7 @@ fn member(seed: u64, waveform: &str, dots: Option<Dots>) -> Member {
         open: dots.is_none(),
         dots,
         done: dots.is_some(),
+        failure: None,
         scale: [1e7, 0.05, 1e-3],
     }
 }

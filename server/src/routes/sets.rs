@@ -54,10 +54,17 @@ fn csv(rows: &[SetRow]) -> String {
         let new = row.results.keys().filter(|name| !results.contains(name));
         results.extend(new.collect::<Vec<_>>());
     }
-    // Only fits have a shape.
+    // Only fits have a shape, and only studies have settings.
     let shaped = rows.iter().any(|row| row.shape.is_some());
+    let studied = rows.iter().any(|row| row.setting.is_some());
     let names = ["set", "reduce", "processing"].into_iter();
     let names = names.chain(shaped.then_some("shape"));
+    let names = names.chain(
+        studied
+            .then_some(["setting", "verdict"])
+            .into_iter()
+            .flatten(),
+    );
     let names = names.chain(parameters.iter().chain(&results).map(|name| name.as_str()));
     let names: Vec<Value> = names
         .chain(["n", "of", "provisional"])
@@ -66,6 +73,9 @@ fn csv(rows: &[SetRow]) -> String {
     let line = |row: &SetRow| {
         let mut cells = vec![json!(row.set), json!(row.reduce), json!(row.processing)];
         cells.extend(shaped.then(|| json!(row.shape)));
+        if studied {
+            cells.extend([json!(row.setting), json!(row.verdict)]);
+        }
         cells.extend(
             parameters
                 .iter()

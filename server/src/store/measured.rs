@@ -36,6 +36,8 @@ fn measured((parameters, state, results): Row) -> Result<SetRow, StoreError> {
         reduce: "point".to_owned(),
         processing: None,
         shape: None,
+        setting: None,
+        verdict: None,
         parameters: serde_json::from_str(&parameters).map_err(StoreError::corrupt("point"))?,
         results: MEANS
             .iter()

@@ -15,7 +15,8 @@ use super::point::wrong_cursor;
 use super::sweep::SweepPlan;
 use super::{Store, StoreError};
 use crate::reduce::strength::ultimate_strength_fit;
-use crate::reduce::{Member, Scorer, mean_sem};
+use crate::reduce::study::study;
+use crate::reduce::{Member, Scorer, key, mean_sem};
 use crate::sweep::reduction::Reduction;
 use crate::table::{TableQuery, compare};
 
@@ -46,8 +47,18 @@ impl DotsCache {
     }
 }
 
-/// A point's recall: number, parameters, job, state, ensemble, signal, spec (of no use, and empty, before there is a signal).
-type Row = (i64, String, i64, String, i64, Option<String>, String);
+/// A point's recall: number, parameters, job, state, ensemble, signal, spec (of no use, and empty, before there is a
+/// signal), and what stopped it.
+type Row = (
+    i64,
+    String,
+    i64,
+    String,
+    i64,
+    Option<String>,
+    String,
+    Option<String>,
+);
 
 /// The zero recall of an ensemble.
 struct Zero {
@@ -110,8 +121,11 @@ impl Store {
                 (Reduction::GainFidelity { over, processing }, _) => {
                     self.scores(plan, over, processing).await?
                 }
-                (other, Some(sets)) => reduced(&sets, other),
-                (other, None) => reduced(&self.measured(plan).await?, other),
+                (other, Some(sets)) => self.reduced(plan, &sets, other).await?,
+                (other, None) => {
+                    let points = self.measured(plan).await?;
+                    self.reduced(plan, &points, other).await?
+                }
             };
             all.extend(sets.iter().cloned());
             last = Some(sets);
@@ -122,6 +136,32 @@ impl Store {
         Ok(all)
     }
 
+    /// A link of the chain that is taken of the rows before it.
+    async fn reduced(
+        &self,
+        plan: &SweepPlan,
+        rows: &[SetRow],
+        reduction: &Reduction,
+    ) -> Result<Vec<SetRow>, StoreError> {
+        Ok(match reduction {
+            Reduction::UltimateStrengthFit { over } => ultimate_strength_fit(rows, over),
+            Reduction::Study { over, settings } => {
+                let scored = plan.reductions.iter().find_map(|link| match link {
+                    Reduction::GainFidelity { over, .. } => Some(over.as_slice()),
+                    _ => None,
+                });
+                let gone = scored.unwrap_or_default();
+                let costs = self.costs(plan, |point| key(point, gone)).await?;
+                let cost = |row: &SetRow| {
+                    let known = costs.get(&key(&row.parameters, &[]));
+                    known.copied().unwrap_or_default()
+                };
+                study(rows, over, settings, plan.model, cost)
+            }
+            other => mean_sem(rows, other.over()),
+        })
+    }
+
     async fn scores(
         &self,
         plan: &SweepPlan,
@@ -130,7 +170,8 @@ impl Store {
     ) -> Result<Vec<SetRow>, StoreError> {
         const ROWS: &str = "
             select p.point, p.parameters, j.id, j.state, j.ensemble, o.artifacts ->> 'signal',
-                   case when o.artifacts is not null then j.spec else '' end
+                   case when o.artifacts is not null then j.spec else '' end,
+                   coalesce(j.failure ->> 'kind', j.failure ->> 'message')
               from point p join job j on j.id = p.job left join outcome o on o.job = j.id
              where p.sweep = $1 and p.point > $2 order by p.point limit $3";
         let mut zeros = self.zeros(plan).await?;
@@ -165,7 +206,7 @@ impl Store {
         processing: Processing,
         zeros: &mut HashMap<i64, Zero>,
     ) -> Result<Member, StoreError> {
-        let (_, parameters, id, state, ensemble, signal, spec) = row;
+        let (_, parameters, id, state, ensemble, signal, spec, failure) = row;
         let parameters: Map<String, Value> =
             serde_json::from_str(parameters).map_err(StoreError::corrupt("point"))?;
         let scale = ["youngs_modulus", "delta0", "gamma0"].map(|name| {
@@ -190,6 +231,7 @@ impl Store {
             open,
             dots,
             done,
+            failure: failure.clone(),
             scale,
         })
     }
@@ -257,14 +299,6 @@ impl Store {
     }
 }
 
-/// A link of the chain that needs only the rows before it.
-fn reduced(rows: &[SetRow], reduction: &Reduction) -> Vec<SetRow> {
-    match reduction {
-        Reduction::UltimateStrengthFit { over } => ultimate_strength_fit(rows, over),
-        other => mean_sem(rows, other.over()),
-    }
-}
-
 /// A set's value in any column.
 fn column(set: &SetRow, plan: &SweepPlan, name: &str) -> Value {
     match name {
@@ -272,6 +306,8 @@ fn column(set: &SetRow, plan: &SweepPlan, name: &str) -> Value {
         "reduce" => json!(set.reduce),
         "processing" => json!(set.processing),
         "shape" => json!(set.shape),
+        "setting" => json!(set.setting),
+        "verdict" => json!(set.verdict),
         "n" => json!(set.n),
         "of" => json!(set.of),
         "provisional" => json!(set.provisional),

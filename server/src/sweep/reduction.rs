@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 
 use super::mistakes::{Mistakes, nearest, pointer, unknown};
+use super::study::Study;
 
 /// One link of a chain of reductions.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -31,6 +32,22 @@ pub enum Reduction {
         /// Parameters, friction among them.
         over: Vec<String>,
     },
+    /// How far each setting of a study is from the first of them, and what it costs.
+    Study {
+        /// Parameters, such as the seed of the packing: settings are compared at equal values of them.
+        over: Vec<String>,
+        /// The reference first.
+        settings: Vec<Studied>,
+    },
+}
+
+/// A setting of a study.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Studied {
+    /// What tables call it: `time_step 0.5`.
+    pub label: String,
+    /// The parameters in which settings differ, in the order in which the study first names them.
+    pub values: Map<String, Value>,
 }
 
 impl Reduction {
@@ -41,6 +58,7 @@ impl Reduction {
             Self::GainFidelity { .. } => "gain_fidelity",
             Self::MeanSem { .. } => "mean_sem",
             Self::UltimateStrengthFit { .. } => "ultimate_strength_fit",
+            Self::Study { .. } => "study",
         }
     }
 
@@ -50,7 +68,8 @@ impl Reduction {
         match self {
             Self::GainFidelity { over, .. }
             | Self::MeanSem { over }
-            | Self::UltimateStrengthFit { over } => over,
+            | Self::UltimateStrengthFit { over }
+            | Self::Study { over, .. } => over,
         }
     }
 
@@ -124,6 +143,42 @@ pub(crate) fn usual(model: Model, axes: &BTreeMap<&str, Vec<Value>>) -> Vec<Redu
         });
     }
     chain
+}
+
+/// What a study looks at where the spec does not say.
+pub(crate) fn before_study(model: Model) -> Vec<Reduction> {
+    usual(model, &BTreeMap::new())
+}
+
+/// The last link of a study's chain, whose other links are `before`.
+pub(crate) fn study(
+    study: &Study,
+    before: &[Reduction],
+    axes: &BTreeMap<&str, Vec<Value>>,
+    mistakes: &mut Mistakes,
+) -> Reduction {
+    for (k, link) in before.iter().enumerate() {
+        if !matches!(link, Reduction::GainFidelity { .. }) {
+            let at = pointer(&pointer("/reduce", &k.to_string()), "kind");
+            let name = link.name();
+            mistakes.add(
+                &at,
+                format!("a study takes its means itself: leave {name} out"),
+            );
+        }
+    }
+    let over = axes.contains_key("packing_seed");
+    Reduction::Study {
+        over: over
+            .then(|| "packing_seed".to_owned())
+            .into_iter()
+            .collect(),
+        settings: study
+            .settings
+            .iter()
+            .map(|setting| setting.studied.clone())
+            .collect(),
+    }
 }
 
 /// Reads `[[reduce]]`; `axes` are the values that each axis takes, `fixed` the parameters without one.

@@ -8,32 +8,39 @@ use serde_json::{Map, Value};
 use super::Axis;
 use super::mistakes::{Mistakes, pointer};
 use super::section::Sections;
+use super::study::Setting;
 
-/// Adds every rule that a point of the grids breaks; values that are wrong by themselves are told first, and alone.
+/// Adds every rule that a point of the grids breaks, in any of the settings that a study compares; values that are
+/// wrong by themselves are told first, and alone.
 pub(crate) fn check(
     written: Option<&Value>,
     grids: &[Vec<Axis>],
     sections: &Sections,
+    settings: Option<&[Setting]>,
     mistakes: &mut Mistakes,
 ) {
     if !mistakes.is_empty() {
         return;
     }
+    let settings = settings.map_or(vec![None], |all| all.iter().map(Some).collect());
     let mut told = HashSet::new();
-    for (k, grid) in grids.iter().enumerate() {
-        let grid = Grid {
-            number: k,
-            axes: grid,
-            written: written.and_then(|grids| grids.get(k)),
-            sections,
-        };
-        for rule in sections.model.rules() {
-            grid.check(rule, &mut |place, detail| {
-                if told.insert((place.clone(), detail.clone())) {
-                    mistakes.add(&place, detail);
-                }
-                !mistakes.is_full()
-            });
+    for setting in settings {
+        for (k, grid) in grids.iter().enumerate() {
+            let grid = Grid {
+                number: k,
+                axes: grid,
+                written: written.and_then(|grids| grids.get(k)),
+                sections,
+                setting,
+            };
+            for rule in sections.model.rules() {
+                grid.check(rule, &mut |place, detail| {
+                    if told.insert((place.clone(), detail.clone())) {
+                        mistakes.add(&place, detail);
+                    }
+                    !mistakes.is_full()
+                });
+            }
         }
     }
 }
@@ -45,6 +52,7 @@ struct Grid<'a> {
     /// As it stands in the spec.
     written: Option<&'a Value>,
     sections: &'a Sections,
+    setting: Option<&'a Setting>,
 }
 
 /// An axis and the place of its value at hand.
@@ -59,6 +67,13 @@ impl Grid<'_> {
         let mut point: Map<String, Value> = fixed
             .map(|(name, value)| (name.clone(), value.clone()))
             .collect();
+        let changed = self
+            .setting
+            .iter()
+            .flat_map(|setting| &setting.studied.values);
+        for (name, value) in changed.filter(|(name, _)| about(name)) {
+            point[name] = value.clone();
+        }
         let combinations: usize = axes.iter().map(|axis| axis.values.len()).product();
         for number in 0..combinations {
             let mut rest = number;
@@ -95,9 +110,17 @@ impl Grid<'_> {
             let section = self.sections.written.get(name)?;
             Some(pointer(&pointer("", section), name))
         };
+        let in_setting = |name: &str| {
+            let setting = self.setting.filter(|setting| setting.names(name))?;
+            Some(setting.place.clone())
+        };
         let mut places = rule.parameters.iter();
         places
-            .find_map(|name| of_axis(name).or_else(|| in_section(name)))
+            .find_map(|name| {
+                in_setting(name)
+                    .or_else(|| of_axis(name))
+                    .or_else(|| in_section(name))
+            })
             .unwrap_or_default()
     }
 }

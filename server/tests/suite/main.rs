@@ -14,5 +14,6 @@ mod refusals;
 mod results;
 mod routes;
 mod spec;
+mod study;
 mod walk;
 mod wanting;

@@ -765,8 +765,15 @@ export interface components {
                  * @description Its number, from 0, in the order of the reductions.
                  */
                 set: number;
+                /** @description A study's setting in words, such as `time_step 0.5`. */
+                setting?: string | null;
                 /** @description How much of Eq. (4) a fit's strengths determine: `exponential`, `step`, `straight`, `constant` or `too_few_points`. */
                 shape?: string | null;
+                /**
+                 * @description What a study says of a setting: `reference`, `front` (no other is cheaper and at least as accurate), `beaten` or
+                 *     `incomplete` (a packing without a result).
+                 */
+                verdict?: string | null;
             }[];
             /** @description What `cursor` asks for the rows after these; none at the end. */
             next?: string | null;
@@ -1062,8 +1069,15 @@ export interface components {
              * @description Its number, from 0, in the order of the reductions.
              */
             set: number;
+            /** @description A study's setting in words, such as `time_step 0.5`. */
+            setting?: string | null;
             /** @description How much of Eq. (4) a fit's strengths determine: `exponential`, `step`, `straight`, `constant` or `too_few_points`. */
             shape?: string | null;
+            /**
+             * @description What a study says of a setting: `reference`, `front` (no other is cheaper and at least as accurate), `beaten` or
+             *     `incomplete` (a packing without a result).
+             */
+            verdict?: string | null;
         };
         /** @description The answer to `POST …/cancel`, `/pause`, `/resume` and `/retry`. */
         Steered: {

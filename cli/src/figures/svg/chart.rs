@@ -1,6 +1,6 @@
 //! Curves over a pair of axes, with a legend beneath.
 
-use super::ticks::Range;
+use super::ticks::{Range, powers};
 use super::{Anchor, Area, Canvas, INK, LINE, PALETTE, QUIET};
 use crate::figures::drawing::{Chart, Curve, Dot, Style};
 use crate::table::number;
@@ -74,15 +74,44 @@ impl<'a> Plot<'a> {
             let error = dot.error.unwrap_or_default();
             [dot.y - error, dot.y + error]
         });
-        Self {
-            chart,
-            area,
-            x: Range::around(dots().map(|dot| dot.x).chain(lines)),
-            y: Range::around(ends),
+        let across = dots().map(|dot| dot.x).chain(lines);
+        let [x, y] = if chart.logarithmic {
+            let upward = dots().map(|dot| dot.y.log10());
+            [
+                Range::around_powers(across.map(f64::log10)),
+                Range::around_powers(upward),
+            ]
+        } else {
+            [Range::around(across), Range::around(ends)]
+        };
+        Self { chart, area, x, y }
+    }
+
+    /// `value` as the axes measure it.
+    fn scaled(&self, value: f64) -> f64 {
+        if self.chart.logarithmic {
+            value.log10()
+        } else {
+            value
+        }
+    }
+
+    /// Where marks stand along one axis, and what they say.
+    fn marks(&self, range: Range, count: f64) -> Vec<f64> {
+        if self.chart.logarithmic {
+            powers(range)
+        } else {
+            range.ticks(count)
         }
     }
 
     fn at(&self, x: f64, y: f64) -> [f64; 2] {
+        let [x, y] = [self.scaled(x), self.scaled(y)];
+        self.placed(x, y)
+    }
+
+    /// The place of numbers that the axes' own scale gives.
+    fn placed(&self, x: f64, y: f64) -> [f64; 2] {
         let Area {
             x: left,
             y: top,
@@ -98,7 +127,8 @@ impl<'a> Plot<'a> {
     fn draw(&self, canvas: &mut Canvas, count: f64) {
         self.axes(canvas, count);
         for line in &self.chart.verticals {
-            let ends = [self.y.low, self.y.high].map(|y| self.at(line.at, y));
+            let at = self.scaled(line.at);
+            let ends = [self.y.low, self.y.high].map(|y| self.placed(at, y));
             let color = PALETTE[line.color % PALETTE.len()];
             canvas.path(
                 &ends,
@@ -108,6 +138,13 @@ impl<'a> Plot<'a> {
         for curve in &self.chart.curves {
             self.curve(canvas, curve);
         }
+        let small = format!(" font-size=\"9.5\" fill=\"{QUIET}\"");
+        for (k, note) in self.chart.notes.iter().enumerate() {
+            let [x, y] = self.at(note.x, note.y);
+            // Above and below in turn, so that those of neighbors stay apart.
+            let beside = [x + 6.0, if k % 2 == 0 { y - 4.0 } else { y + 10.0 }];
+            canvas.styled_text(beside, Anchor::Start, &small, &note.text);
+        }
         let frame = format!("fill=\"none\" stroke=\"{INK}\"");
         canvas.rect(self.area, &frame, "");
     }
@@ -115,14 +152,16 @@ impl<'a> Plot<'a> {
     fn axes(&self, canvas: &mut Canvas, count: f64) {
         let small = format!(" font-size=\"11\" fill=\"{QUIET}\"");
         let grid = format!("stroke=\"{LINE}\"");
-        for tick in self.x.ticks(count) {
-            let ends = [self.y.low, self.y.high].map(|y| self.at(tick, y));
+        for tick in self.marks(self.x, count) {
+            let at = self.scaled(tick);
+            let ends = [self.y.low, self.y.high].map(|y| self.placed(at, y));
             canvas.path(&ends, &grid);
             let place = [ends[0][0], ends[0][1] + 15.0];
             canvas.styled_text(place, Anchor::Middle, &small, &number(tick));
         }
-        for tick in self.y.ticks(count) {
-            let ends = [self.x.low, self.x.high].map(|x| self.at(x, tick));
+        for tick in self.marks(self.y, count) {
+            let at = self.scaled(tick);
+            let ends = [self.x.low, self.x.high].map(|x| self.placed(x, at));
             canvas.path(&ends, &grid);
             let place = [ends[0][0] - 5.0, ends[0][1] + 4.0];
             canvas.styled_text(place, Anchor::End, &small, &number(tick));
@@ -131,7 +170,7 @@ impl<'a> Plot<'a> {
 
     fn curve(&self, canvas: &mut Canvas, curve: &Curve) {
         let color = PALETTE[curve.color % PALETTE.len()];
-        let finite = |dot: &&Dot| dot.x.is_finite() && dot.y.is_finite();
+        let finite = |dot: &&Dot| self.scaled(dot.x).is_finite() && self.scaled(dot.y).is_finite();
         let dots: Vec<&Dot> = curve.dots.iter().filter(finite).collect();
         let places: Vec<[f64; 2]> = dots.iter().map(|dot| self.at(dot.x, dot.y)).collect();
         if let Some(stroke) = stroke(curve.style) {

@@ -38,6 +38,16 @@ impl Range {
         }
     }
 
+    /// All of `values`, which are powers of ten, with a little room.
+    pub(super) fn around_powers(values: impl Iterator<Item = f64>) -> Self {
+        let Self { low, high } = Self::around_all(values.filter(|value| value.is_finite()));
+        let room = 0.08 * (high - low);
+        Self {
+            low: low - room,
+            high: high + room,
+        }
+    }
+
     /// All of `values`, and no more.
     pub(super) fn around_all(values: impl Iterator<Item = f64>) -> Self {
         let ends = values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| {
@@ -45,6 +55,10 @@ impl Range {
         });
         match ends {
             [low, high] if low < high => Self { low, high },
+            [low, high] if low.total_cmp(&high).is_eq() => Self {
+                low: low - 0.5,
+                high: high + 0.5,
+            },
             _ => Self {
                 low: 0.0,
                 high: 1.0,
@@ -75,9 +89,30 @@ impl Range {
     }
 }
 
+/// Powers of ten within the range of powers, and, where those are few, twice and five times them.
+pub(super) fn powers(range: Range) -> Vec<f64> {
+    let factors: &[f64] = if range.high - range.low < 2.5 {
+        &[1.0, 2.0, 5.0]
+    } else {
+        &[1.0]
+    };
+    let decades = range.low.floor() as i32..=range.high.ceil() as i32;
+    let marks = decades.flat_map(|power| factors.iter().map(move |f| f * 10f64.powi(power)));
+    marks
+        .filter(|mark| (range.low..=range.high).contains(&mark.log10()))
+        .collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn powers_of_ten_are_marked_and_parts_of_them_where_there_is_room() {
+        let range = |low, high| Range { low, high };
+        assert_eq!(powers(range(-0.1, 1.4)), [1.0, 2.0, 5.0, 10.0, 20.0]);
+        assert_eq!(powers(range(0.0, 3.0)), [1.0, 10.0, 100.0, 1000.0]);
+    }
 
     #[test]
     fn marks_are_round_and_within_the_range() {
