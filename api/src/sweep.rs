@@ -2,11 +2,14 @@
 //!
 //! The submission itself is the spec as JSON, of the same schema as the TOML file.
 
+use std::collections::BTreeMap;
+
 use serde::{Deserialize, Serialize};
-use serde_json::Value;
+use serde_json::{Map, Value};
 use utoipa::ToSchema;
 
 use crate::id::SweepId;
+use crate::table::SetRow;
 
 /// The answer to `POST /sweeps`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -115,6 +118,9 @@ pub struct Sweep {
     pub axes: Vec<String>,
     /// What is allowed but unwise.
     pub warnings: Vec<String>,
+    /// The accuracy that was asked for, if any was.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub accuracy: Option<Accuracy>,
     /// The spec as submitted; only when one sweep is asked for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schema(value_type = Option<Object>)]
@@ -128,6 +134,36 @@ pub struct Steered {
     pub state: SweepState,
     /// Jobs that were moved.
     pub jobs: u64,
+}
+
+/// How accurate a sweep's results must be, and what its pilot has found.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct Accuracy {
+    /// The largest error of each result; a share of it where its `{name}_error` is one.
+    pub targets: BTreeMap<String, f64>,
+    /// The study that decides, a sweep like any other.
+    pub pilot: SweepId,
+    /// What it has decided; none while it runs, and no points of this sweep exist until then.
+    pub choice: Option<Choice>,
+}
+
+/// The settings that a pilot has chosen, and why.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct Choice {
+    /// In words, such as `ramp 4500, drag 0.01`.
+    pub setting: String,
+    /// The parameters that were chosen; every point has them.
+    #[schema(value_type = Object)]
+    pub values: Map<String, Value>,
+    /// What the pilot says of them, one row for each scene that it looked at: errors with their bounds, and cost.
+    pub evidence: Vec<SetRow>,
+    /// Core-seconds of a packing's runs in these settings over those of the reference: what was saved.
+    pub relative_cost: Option<f64>,
+    /// Core-seconds that the pilot took, packings and reference included.
+    pub pilot_core_seconds: f64,
+    /// Why it is the reference, if it is.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reason: Option<String>,
 }
 
 /// One event of `GET /sweeps/{id}/events`.

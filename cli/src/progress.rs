@@ -72,7 +72,15 @@ fn part_done(sweep: &Sweep, elapsed: f64) -> f64 {
 
 fn message(sweep: &Sweep, remaining: Option<f64>) -> String {
     let points = sweep.points;
-    let mut parts = vec![format!("{}/{} points done", points.done, points.total)];
+    let of_pilot = if sweep.name.starts_with("pilot of ") {
+        "pilot: "
+    } else {
+        ""
+    };
+    let mut parts = vec![format!(
+        "{of_pilot}{}/{} points done",
+        points.done, points.total
+    )];
     parts.extend((points.failed > 0).then(|| format!("{} failed", points.failed)));
     parts.extend((points.cancelled > 0).then(|| format!("{} cancelled", points.cancelled)));
     parts.extend(remaining.map(|seconds| format!("{} left", duration(seconds))));

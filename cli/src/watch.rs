@@ -2,6 +2,7 @@
 
 use std::time::Duration;
 
+use anyhow::bail;
 use granary_api::id::SweepId;
 use granary_api::sweep::{Sweep, SweepState};
 use tokio::time::Instant;
@@ -50,8 +51,45 @@ pub(crate) async fn until_interrupted(client: &ApiClient, sweep: SweepId) -> any
     }
 }
 
-/// Follows `sweep` to its end, through restarts of its server.
+/// Follows `sweep` to its end, after the pilot that it may wait for, through restarts of its server.
 pub(crate) async fn follow(client: &ApiClient, sweep: SweepId) -> anyhow::Result<Sweep> {
+    let pilot = client.sweep(sweep).await?.accuracy;
+    if let Some(accuracy) = pilot.filter(|accuracy| accuracy.choice.is_none()) {
+        let pilot = follow_to_end(client, accuracy.pilot).await?;
+        if pilot.state == SweepState::Cancelled {
+            bail!(
+                "its pilot was cancelled\n  go on with it: granary resume {}",
+                pilot.sweep
+            );
+        }
+        choice(client, sweep).await?;
+    }
+    follow_to_end(client, sweep).await
+}
+
+/// Tells what the pilot of `sweep` has chosen, once the server has looked.
+async fn choice(client: &ApiClient, sweep: SweepId) -> anyhow::Result<()> {
+    let asked = Instant::now();
+    while asked.elapsed() < PATIENCE {
+        let accuracy = client.sweep(sweep).await?.accuracy;
+        let Some(choice) = accuracy.and_then(|accuracy| accuracy.choice) else {
+            tokio::time::sleep(PAUSE.0).await;
+            continue;
+        };
+        eprint!("chosen: {}", choice.setting);
+        if let Some(cost) = choice.relative_cost {
+            eprint!("; {:.0} % of the time of the reference", 100.0 * cost);
+        }
+        match &choice.reason {
+            Some(reason) => eprintln!(": {reason}"),
+            None => eprintln!(),
+        }
+        return Ok(());
+    }
+    bail!("the pilot has ended, and the server has chosen no settings by it")
+}
+
+async fn follow_to_end(client: &ApiClient, sweep: SweepId) -> anyhow::Result<Sweep> {
     let mut progress = Progress::new();
     let start = Instant::now();
     let mut heard = start;

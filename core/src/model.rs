@@ -9,7 +9,7 @@ use crate::identity::StageId;
 use crate::memory;
 use crate::memory::spec::MemoryPoint;
 use crate::memory::waveform::Waveform;
-use crate::parameter::{Parameter, Preset, Quantity, Rule};
+use crate::parameter::{Choices, Parameter, Preset, Quantity, Rule};
 use crate::stage::{StageKind, StageSpec};
 use crate::study::Judged;
 
@@ -112,6 +112,15 @@ impl Model {
         match self {
             Self::Memory => memory::results::RESULTS,
             Self::Beam => beam::results::RESULTS,
+        }
+    }
+
+    /// The numerical settings from which the planner may choose.
+    #[must_use]
+    pub fn choices(self) -> &'static Choices {
+        match self {
+            Self::Memory => &memory::parameters::CHOICES,
+            Self::Beam => &beam::parameters::CHOICES,
         }
     }
 
@@ -273,6 +282,27 @@ mod tests {
                 let work = stage.work(&stages[..k]);
                 assert!(work.steps > 10_000 && work.grain_steps > work.steps);
                 assert!((1 << 20..300 << 20).contains(&work.bytes), "{work:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn choices_are_allowed_and_rise_in_cost_to_the_reference() {
+        for model in Model::ALL {
+            let choices = model.choices();
+            let all = choices.settings.iter().chain([&choices.reference]);
+            let mut before = 0;
+            for values in all {
+                assert_eq!(values.len(), choices.names.len());
+                let mut map = model.defaults("standard").expect("every model has it");
+                for (name, value) in choices.table(values) {
+                    let row = model.parameter(&name).expect("a parameter");
+                    map.insert(name, row.check(&value).expect("allowed"));
+                }
+                let stages = model.point(map).expect("a point").stages();
+                let steps = stages[2].work(&stages[..2]).steps;
+                assert!(steps >= before, "{values:?}: {steps} after {before}");
+                before = steps;
             }
         }
     }

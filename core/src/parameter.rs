@@ -111,6 +111,28 @@ pub struct Preset {
     pub sentence: &'static str,
 }
 
+/// Numerical settings of an experiment from which its planner may choose.
+#[derive(Clone, Copy, Debug)]
+pub struct Choices {
+    /// The parameters that each of them sets.
+    pub names: &'static [&'static str],
+    /// Their values, setting by setting, the cheapest first.
+    pub settings: &'static [&'static [DefaultValue]],
+    /// The values of the reference that settings are held against, dearer than all of them.
+    pub reference: &'static [DefaultValue],
+}
+
+impl Choices {
+    /// One of the settings, or the reference, as a table.
+    #[must_use]
+    pub fn table(&self, values: &[DefaultValue]) -> Map<String, Value> {
+        let pairs = self.names.iter().zip(values);
+        pairs
+            .map(|(name, value)| ((*name).to_owned(), value.value()))
+            .collect()
+    }
+}
+
 /// The defaults of `table` with those of the preset called `name` over them; `None` if there is no such preset.
 pub(crate) fn defaults(
     table: &[Parameter],

@@ -6,6 +6,7 @@
 mod archive;
 mod config;
 mod error;
+mod planner;
 pub mod queue;
 pub mod reaper;
 pub mod reduce;

@@ -1,4 +1,4 @@
-//! Serving: a socket, the routes, the reaper, and one signal that ends them all.
+//! Serving: a socket, the routes, the reaper, the planner, and one signal that ends them all.
 
 use std::net::SocketAddr;
 use std::time::Duration;
@@ -8,9 +8,9 @@ use tokio::net::TcpListener;
 use tokio::task::JoinSet;
 use tokio_util::sync::CancellationToken;
 
-use crate::reaper;
 use crate::routes::app;
 use crate::store::{Store, StoreError};
+use crate::{planner, reaper};
 
 /// How long requests under way may take once the server is told to stop.
 const GRACE: Duration = Duration::from_secs(5);
@@ -104,5 +104,6 @@ async fn grace_is_over(shutdown: &CancellationToken) {
 pub fn background(store: &Store, shutdown: &CancellationToken) -> JoinSet<()> {
     let mut tasks = JoinSet::new();
     tasks.spawn(reaper::run(store.clone(), shutdown.clone()));
+    tasks.spawn(planner::run(store.clone(), shutdown.clone()));
     tasks
 }

@@ -20,6 +20,7 @@ mod lease;
 mod lock;
 mod measured;
 mod pace;
+mod pilot;
 mod point;
 mod schema;
 mod set;

@@ -3,6 +3,7 @@
 //! [`Plan::read`] finds every mistake at once and counts the points before anything is expanded.
 //! [`expansion::Expansion`] then yields the rows to queue, a chunk at a time.
 
+pub mod accuracy;
 mod axis;
 pub mod expansion;
 mod mistakes;
@@ -20,6 +21,7 @@ use granary_core::parameter::shown;
 use serde::Serialize;
 use serde_json::{Map, Value};
 
+pub use accuracy::Accuracy;
 pub use axis::Axis;
 pub(crate) use mistakes::nearest as nearest_name;
 use mistakes::{Mistakes, pointer, unknown};
@@ -60,12 +62,14 @@ pub struct Plan {
     pub spec: Value,
     /// Points of all grids together, before equal ones are merged.
     pub points: u64,
+    /// How accurate results must be; a pilot then decides on settings before anything is expanded.
+    pub accuracy: Option<Accuracy>,
 }
 
 /// The sections that fix parameters.
 const SECTIONS: [&str; 3] = ["fixed", "numerics", "preparation"];
 /// Every field of a spec.
-const FIELDS: [&str; 10] = [
+const FIELDS: [&str; 11] = [
     "name",
     "model",
     "preset",
@@ -76,6 +80,7 @@ const FIELDS: [&str; 10] = [
     "grid",
     "reduce",
     "study",
+    "accuracy",
 ];
 /// Values of an axis that reductions look at.
 const FIRST_VALUES: usize = 4;
@@ -114,7 +119,7 @@ impl Plan {
             settings,
             &mut mistakes,
         );
-        let fixed = sections.fixed;
+        let fixed = sections.fixed.clone();
         let axes = values_by_axis(table.get("grid"), &grids);
         let mut reductions = match table.get("reduce") {
             Some(value) => reduction::read(value, model, &axes, &fixed, &mut mistakes),
@@ -132,6 +137,14 @@ impl Plan {
             let link = reduction::study(study, &reductions, &axes, &mut mistakes);
             reductions.push(link);
         }
+        let around = accuracy::Around {
+            spec: table,
+            sections: &sections,
+            grids: &grids,
+            limits,
+        };
+        let accuracy = table.get("accuracy");
+        let accuracy = accuracy.and_then(|value| accuracy::read(value, &around, &mut mistakes));
         let compared = study.map(|study| compared(&grids, &study, model));
         drop(axes);
         let grids = compared.unwrap_or(grids);
@@ -150,6 +163,7 @@ impl Plan {
             reductions,
             spec: spec.clone(),
             points,
+            accuracy,
         })
     }
 
@@ -185,6 +199,10 @@ impl Plan {
             fixed: BTreeMap<&'a String, &'a Value>,
             grids: Vec<Vec<(&'a str, &'a [Value])>>,
             reductions: &'a [Reduction],
+            #[serde(skip_serializing_if = "Option::is_none")]
+            accuracy: Option<&'a [(&'static str, f64)]>,
+            #[serde(skip_serializing_if = "Option::is_none")]
+            pilot: Option<[u8; 32]>,
         }
         let axes = |grid: &'_ Vec<Axis>| -> Vec<(&'static str, Vec<Value>)> {
             grid.iter()
@@ -200,6 +218,7 @@ impl Plan {
                     .collect()
             })
             .collect();
+        let accuracy = self.accuracy.as_ref();
         let identity = Identity {
             name: &self.name,
             model: self.model,
@@ -207,6 +226,8 @@ impl Plan {
             fixed: self.fixed.iter().collect(),
             grids,
             reductions: &self.reductions,
+            accuracy: accuracy.map(|accuracy| accuracy.targets.as_slice()),
+            pilot: accuracy.map(|accuracy| accuracy.pilot.identity()),
         };
         let mut hasher = blake3::Hasher::new();
         serde_json::to_writer(&mut hasher, &identity).expect("plain data, and hashing never fails");

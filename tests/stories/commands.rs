@@ -107,6 +107,36 @@ fn a_study_says_what_each_setting_costs() {
 }
 
 #[test]
+fn settings_are_chosen_for_the_accuracy_that_is_asked_for() {
+    let sandbox = Sandbox::new();
+    let spec = tiny(12, "[1, 2, 3]", SIX);
+    let accuracy = "[accuracy]\nfidelity = 1.0\npackings = 2\n";
+    sandbox.write("accurate.toml", &format!("{spec}{accuracy}"));
+    let run = || {
+        sandbox
+            .run(&["run", "accurate.toml", "--data", "data", "--json"])
+            .expect(0)
+    };
+    let first = run();
+    // What the spec leaves open is chosen; whatever is as good as that is good enough here, so the cheapest.
+    let chosen = "chosen: drag 0.01, time_step 1.5, hold 0.2, precision f32";
+    assert!(first.stderr.contains(chosen), "{}", first.stderr);
+    let sets = first.json()["sets"]["items"].clone();
+    let mean = sets.as_array().expect("a list").last().expect("a mean");
+    assert_eq!(mean["of"], 3);
+    assert_eq!(mean["parameters"]["drag"], 0.01);
+    assert!(mean["results"]["fidelity_error_bound"].is_f64(), "{mean}");
+    // A choice once made is kept, and with it the results.
+    let second = run();
+    assert!(
+        second.stderr.contains("18 of 18 already done"),
+        "{}",
+        second.stderr
+    );
+    assert_eq!(second.json(), first.json());
+}
+
+#[test]
 fn a_watcher_may_leave_and_the_sweep_goes_on() {
     let sandbox = Sandbox::new();
     sandbox.write("tiny.toml", &tiny(12, "[1]", SIX));

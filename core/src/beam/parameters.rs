@@ -8,7 +8,7 @@ mod fixed;
 mod numerics;
 mod preparation;
 
-use crate::parameter::{DefaultValue, Parameter, Preset};
+use crate::parameter::{Choices, DefaultValue, Parameter, Preset};
 
 use fixed::FIXED;
 use numerics::NUMERICS;
@@ -91,6 +91,18 @@ pub const PRESETS: &[Preset] = &[
         sentence: "The paper's beam at the paper's 0.2 mm/s: about a day.",
     },
 ];
+
+/// The settings among which a sweep with `[accuracy]` may choose, cheapest first, and the reference that they are held
+/// against: the same beam, bent more slowly in half the steps.
+pub const CHOICES: Choices = Choices {
+    names: &["periods", "time_step_fraction"],
+    settings: &[
+        &[Real(1.25), Real(0.8)],
+        &[Real(2.5), Real(0.8)],
+        &[Real(5.0), Real(0.8)],
+    ],
+    reference: &[Real(10.0), Real(0.4)],
+};
 
 /// Pairs of parameters that say one thing: a spec that writes the first takes back what a preset says of the second.
 pub const TAKEN_BACK: &[(&str, &str)] = &[("periods", "rod_speed")];

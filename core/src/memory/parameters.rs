@@ -1,10 +1,11 @@
 //! The parameter table of the memory experiment, its presets, and the rules between parameters.
 
-use crate::parameter::{Bound, DefaultValue, Domain, Parameter, Preset, Section};
+use crate::parameter::{Bound, Choices, DefaultValue, Domain, Parameter, Preset, Section};
 
 use super::waveform::Waveform;
 
 use Bound::{Closed, Open};
+use DefaultValue::{Real, Text};
 
 fn canonical_waveform(value: &serde_json::Value) -> Result<serde_json::Value, String> {
     Waveform::parse(value).map(|waveform| waveform.to_value())
@@ -14,10 +15,7 @@ fn canonical_waveform(value: &serde_json::Value) -> Result<serde_json::Value, St
 pub const PRESETS: &[Preset] = &[
     Preset {
         name: "draft",
-        values: &[
-            ("ramp", DefaultValue::Real(4_500.0)),
-            ("drag", DefaultValue::Real(0.01)),
-        ],
+        values: &[("ramp", Real(4_500.0)), ("drag", Real(0.01))],
         sentence: "Ramps four times faster, with a drag on the non-affine motion that damps what the haste stirs up.",
     },
     Preset {
@@ -28,13 +26,30 @@ pub const PRESETS: &[Preset] = &[
     Preset {
         name: "paper",
         values: &[
-            ("time_step", DefaultValue::Real(1.0)),
-            ("hold", DefaultValue::Real(2.0)),
-            ("precision", DefaultValue::Text("f64")),
+            ("time_step", Real(1.0)),
+            ("hold", Real(2.0)),
+            ("precision", Text("f64")),
         ],
         sentence: "The paper's ramps and hold, everything in double precision.",
     },
 ];
+
+/// The settings among which a sweep with `[accuracy]` may choose, cheapest first, and the reference that they are held
+/// against; all of them say the same parameters.
+pub const CHOICES: Choices = Choices {
+    names: &["ramp", "drag", "time_step", "hold", "precision"],
+    settings: &[
+        &[Real(2_250.0), Real(0.01), Real(1.5), Real(0.2), Text("f32")],
+        &[Real(3_000.0), Real(0.01), Real(1.5), Real(0.2), Text("f32")],
+        &[Real(4_500.0), Real(0.01), Real(1.5), Real(0.2), Text("f32")],
+        &[Real(6_000.0), Real(0.01), Real(1.5), Real(0.2), Text("f32")],
+        &[Real(9_000.0), Real(0.01), Real(1.5), Real(0.2), Text("f32")],
+        &[Real(9_000.0), Real(0.0), Real(1.5), Real(0.2), Text("f32")],
+        &[Real(18_000.0), Real(0.0), Real(1.5), Real(0.2), Text("f32")],
+        &[Real(18_000.0), Real(0.0), Real(1.0), Real(0.2), Text("f64")],
+    ],
+    reference: &[Real(18_000.0), Real(0.0), Real(1.0), Real(2.0), Text("f64")],
+};
 
 /// Every parameter of the memory experiment.
 ///
@@ -174,7 +189,7 @@ pub const PARAMETERS: &[Parameter] = &[
         unit: "",
         section: Section::Fixed,
         domain: Domain::Notation(canonical_waveform),
-        default: DefaultValue::Text("zero"),
+        default: Text("zero"),
         sentence: "The waveform to store: zero, six/1 … six/6, binary_words/L/WORD, or a table of bumps.",
     },
     Parameter::real(

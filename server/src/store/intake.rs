@@ -4,7 +4,7 @@ use std::panic::resume_unwind;
 
 use granary_api::id::SweepId;
 use granary_api::sweep::{JobCounts, Submitted};
-use serde_json::json;
+use serde_json::{Value, json};
 use tokio::sync::mpsc;
 use tokio::task::{JoinHandle, spawn_blocking};
 
@@ -26,8 +26,19 @@ pub struct Submission {
     pub idempotency_key: Option<String>,
 }
 
-/// A sweep that is in the database already.
-type Known = (i64, uuid::Uuid, String);
+/// A sweep that is in the database already: number, id, state, and whether it waits for a pilot.
+type Known = (i64, uuid::Uuid, String, bool);
+
+/// A sweep as it stands in the database now.
+struct Entered {
+    sweep: i64,
+    uuid: uuid::Uuid,
+    created: bool,
+    /// Whether its pilot has not decided yet.
+    waits: bool,
+    /// Jobs that were not known before, and are in no archive.
+    new: u64,
+}
 
 impl Store {
     /// Queues `plan`, or finds the identical sweep again; a cancelled one is taken up again.
@@ -41,30 +52,69 @@ impl Store {
         if let Some(key) = &submission.idempotency_key {
             key_check(&mut transaction, key, &identity).await?;
         }
-        let known = find(&mut transaction, &identity).await?;
-        let created = known.is_none();
-        let (sweep, uuid, new) = match known {
-            Some((sweep, uuid, state)) => {
-                self.take_up(&mut transaction, sweep, &state, plan).await?;
-                (sweep, uuid, 0)
+        let pilot = match &plan.accuracy {
+            Some(accuracy) => {
+                let pilot = &accuracy.pilot;
+                Some(
+                    self.enter(&mut transaction, pilot, None, submission.dry_run)
+                        .await?,
+                )
             }
-            None => insert(&mut transaction, plan, &identity).await?,
+            None => None,
         };
-        let spared = self.archived_take(&mut transaction, sweep, submission.dry_run);
-        let new = new.saturating_sub(spared.await?);
+        let of_pilot = pilot.as_ref().map(|pilot| pilot.sweep);
+        let entered = self.enter(&mut transaction, plan, of_pilot, submission.dry_run);
+        let entered = entered.await?;
         if let Some(key) = &submission.idempotency_key {
-            key_note(&mut transaction, key, &identity, sweep).await?;
+            key_note(&mut transaction, key, &identity, entered.sweep).await?;
         }
-        let mut reply = reply(&mut transaction, sweep, new).await?;
+        let mut reply = match pilot.filter(|_| entered.waits) {
+            Some(pilot) => waiting(reply(&mut transaction, pilot.sweep, pilot.new).await?, plan),
+            None => reply(&mut transaction, entered.sweep, entered.new).await?,
+        };
         reply.dry_run = submission.dry_run;
-        reply.created = created;
-        reply.sweep = (!(submission.dry_run && created)).then_some(SweepId(uuid));
+        reply.created = entered.created;
+        let exists = !(submission.dry_run && entered.created);
+        reply.sweep = exists.then_some(SweepId(entered.uuid));
         if submission.dry_run {
             transaction.rollback().await?;
         } else {
             self.commit(transaction).await?;
         }
         Ok(reply)
+    }
+
+    /// Inserts `plan` or finds it again; a plan that waits for `pilot` has no points yet.
+    async fn enter(
+        &self,
+        transaction: &mut Writing,
+        plan: &Plan,
+        pilot: Option<i64>,
+        dry_run: bool,
+    ) -> Result<Entered, StoreError> {
+        let identity = plan.identity();
+        let known = find(transaction, &identity).await?;
+        let created = known.is_none();
+        let (sweep, uuid, waits, new) = if let Some((sweep, uuid, state, waits)) = known {
+            self.take_up(transaction, sweep, &state, plan).await?;
+            (sweep, uuid, waits, 0)
+        } else {
+            let id = SweepId::new();
+            let sweep = sweep_add(transaction, plan, id, &identity, pilot).await?;
+            let new = match pilot {
+                Some(_) => 0,
+                None => fill(transaction, plan, sweep).await?,
+            };
+            (sweep, id.0, pilot.is_some(), new)
+        };
+        let spared = self.archived_take(transaction, sweep, dry_run).await?;
+        Ok(Entered {
+            sweep,
+            uuid,
+            created,
+            waits,
+            new: new.saturating_sub(spared),
+        })
     }
 
     /// Sets the priority of a known sweep, and wants its jobs again if it was cancelled.
@@ -88,7 +138,8 @@ impl Store {
 }
 
 async fn find(transaction: &mut Writing, identity: &[u8; 32]) -> Result<Option<Known>, StoreError> {
-    const FIND: &str = "select id, uuid, state from sweep where identity = $1";
+    const FIND: &str = "
+        select id, uuid, state, pilot is not null and choice is null from sweep where identity = $1";
     let find = sqlx::query_as(FIND).bind(&identity[..]);
     Ok(find.fetch_optional(&mut **transaction).await?)
 }
@@ -122,16 +173,14 @@ async fn key_note(
     Ok(())
 }
 
-/// Inserts everything; the sweep's row, its id, and how many jobs were not known before.
-async fn insert(
+/// Inserts the points of `plan` and all they need; how many jobs were not known before.
+pub(super) async fn fill(
     transaction: &mut Writing,
     plan: &Plan,
-    identity: &[u8; 32],
-) -> Result<(i64, uuid::Uuid, u64), StoreError> {
+    sweep: i64,
+) -> Result<u64, StoreError> {
     const FINISH: &str = "
         update sweep set warnings = $2, points = (select sum(points) from want where sweep = $1) where id = $1";
-    let id = SweepId::new();
-    let sweep = sweep_add(transaction, plan, id, identity).await?;
     let (expanding, mut chunks) = expand(plan.clone());
     let mut rows = Rows::begin(transaction, sweep).await?;
     while let Some(chunk) = chunks.recv().await {
@@ -144,7 +193,7 @@ async fn insert(
     let warnings = json!(warnings).to_string();
     let finish = sqlx::query(FINISH).bind(sweep).bind(warnings);
     finish.execute(&mut **transaction).await?;
-    Ok((sweep, id.0, rows.new))
+    Ok(rows.new)
 }
 
 /// Expands beside the insertion, one chunk ahead of it; the chunks, and in the end the warnings.
@@ -168,11 +217,12 @@ async fn sweep_add(
     plan: &Plan,
     id: SweepId,
     identity: &[u8; 32],
+    pilot: Option<i64>,
 ) -> Result<i64, StoreError> {
     const ADD: &str = "
-        insert into sweep (uuid, identity, name, model, preset, spec, plan, warnings, priority, state, points, created_at)
-        values ($1, $2, $3, $4, $5, $6, $7, '[]', $8, 'active', $9, $10)";
-    let resolved = json!({"axes": plan.axes(), "fixed": plan.fixed, "reductions": plan.reductions});
+        insert into sweep (uuid, identity, name, model, preset, spec, plan, warnings, priority, state, points, created_at,
+                           pilot)
+        values ($1, $2, $3, $4, $5, $6, $7, '[]', $8, 'active', $9, $10, $11)";
     let added = sqlx::query(ADD)
         .bind(id.0)
         .bind(&identity[..])
@@ -180,13 +230,33 @@ async fn sweep_add(
         .bind(plan.model.name())
         .bind(&plan.preset)
         .bind(plan.spec.to_string())
-        .bind(resolved.to_string())
+        .bind(resolved(plan).to_string())
         .bind(plan.priority.unwrap_or(0))
         .bind(signed(plan.points))
         .bind(now_ms())
+        .bind(pilot)
         .execute(&mut **transaction)
         .await?;
     Ok(added.last_insert_rowid())
+}
+
+/// What of a plan its tables need.
+pub(super) fn resolved(plan: &Plan) -> Value {
+    json!({"axes": plan.axes(), "fixed": plan.fixed, "reductions": plan.reductions})
+}
+
+/// The answer for a sweep that waits for its pilot, of which `reply` tells.
+fn waiting(reply: Submitted, plan: &Plan) -> Submitted {
+    let (done, points) = (reply.points_done, reply.points);
+    Submitted {
+        points: plan.points,
+        points_done: 0,
+        message: format!(
+            "a pilot of {points} points, {done} of them done, chooses the settings of {} points first",
+            plan.points
+        ),
+        ..reply
+    }
 }
 
 async fn reply(transaction: &mut Writing, sweep: i64, new: u64) -> Result<Submitted, StoreError> {

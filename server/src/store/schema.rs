@@ -5,9 +5,10 @@ use sqlx::SqlitePool;
 use super::StoreError;
 
 /// Never edited after release, only added to.
-const MIGRATIONS: [&str; 2] = [
+const MIGRATIONS: [&str; 3] = [
     include_str!("../../../migrations/sqlite/0001_queue_and_results.sql"),
     include_str!("../../../migrations/sqlite/0002_archived_outcomes.sql"),
+    include_str!("../../../migrations/sqlite/0003_pilots.sql"),
 ];
 
 /// Brings the database to the newest schema; refuses one that is newer still.

@@ -5,6 +5,7 @@ use std::sync::{Mutex, PoisonError};
 
 use granary_api::id::SweepId;
 use granary_api::job::JobState;
+use granary_api::sweep::Choice;
 use granary_api::table::{Page, SetRow};
 use granary_core::identity::ArtifactHash;
 use granary_core::memory::score::{Dots, Processing, Signal};
@@ -113,7 +114,7 @@ impl Store {
     }
 
     /// Every set, numbered.
-    async fn sets(&self, plan: &SweepPlan) -> Result<Vec<SetRow>, StoreError> {
+    pub(super) async fn sets(&self, plan: &SweepPlan) -> Result<Vec<SetRow>, StoreError> {
         let mut all: Vec<SetRow> = vec![];
         let mut last: Option<Vec<SetRow>> = None;
         for reduction in &plan.reductions {
@@ -132,6 +133,9 @@ impl Store {
         }
         for (number, set) in all.iter_mut().enumerate() {
             set.set = number as u64;
+            if let Some(choice) = &plan.choice {
+                bound(set, choice);
+            }
         }
         Ok(all)
     }
@@ -296,6 +300,21 @@ impl Store {
             (ensemble, zero)
         };
         Ok(rows.into_iter().map(zero).collect())
+    }
+}
+
+/// Adds to each result of a set how far the chosen settings may be off, by the worst scene of the pilot.
+fn bound(set: &mut SetRow, choice: &Choice) {
+    let names: Vec<String> = set.results.keys().cloned().collect();
+    for name in names {
+        let error = format!("{name}_error_bound");
+        let bounds = choice
+            .evidence
+            .iter()
+            .filter_map(|row| row.results.get(&error));
+        if let Some(worst) = bounds.copied().flatten().reduce(f64::max) {
+            set.results.insert(error, Some(worst));
+        }
     }
 }
 

@@ -1,7 +1,7 @@
 //! Sweeps: lists, counts, and the ways to steer one.
 
 use granary_api::id::SweepId;
-use granary_api::sweep::{PointCounts, Steered, Sweep, SweepState};
+use granary_api::sweep::{Accuracy, Choice, PointCounts, Steered, Sweep, SweepState};
 use granary_api::table::Page;
 use granary_core::model::Model;
 use serde_json::{Value, json};
@@ -19,6 +19,8 @@ pub(crate) struct SweepPlan {
     pub(crate) fixed: serde_json::Map<String, Value>,
     pub(crate) reductions: Vec<Reduction>,
     pub(crate) points: u64,
+    /// What its pilot has chosen, if it has one that has.
+    pub(crate) choice: Option<Choice>,
 }
 
 /// The columns of a sweep's row that its summary shows.
@@ -88,12 +90,12 @@ impl Store {
 
     /// The plan of one sweep as it was resolved.
     pub(crate) async fn sweep_plan(&self, sweep: SweepId) -> Result<SweepPlan, StoreError> {
-        const PLAN: &str = "select id, model, plan, points from sweep where uuid = $1";
-        let row: Option<(i64, String, String, i64)> = sqlx::query_as(PLAN)
+        const PLAN: &str = "select id, model, plan, points, choice from sweep where uuid = $1";
+        let row: Option<(i64, String, String, i64, Option<String>)> = sqlx::query_as(PLAN)
             .bind(sweep.0)
             .fetch_optional(self.readers())
             .await?;
-        let (id, model, plan, points) = row.ok_or_else(|| missing(sweep))?;
+        let (id, model, plan, points, choice) = row.ok_or_else(|| missing(sweep))?;
         let mut plan: Value = serde_json::from_str(&plan).map_err(StoreError::corrupt("plan"))?;
         let model = Model::named(&model);
         let model = model.ok_or_else(|| StoreError::NotFound("such a model".to_owned()))?;
@@ -107,17 +109,23 @@ impl Store {
             reductions: serde_json::from_value(plan["reductions"].take())
                 .map_err(StoreError::corrupt("plan"))?,
             points: points as u64,
+            choice: read_choice(choice.as_deref())?,
         })
     }
 
     async fn summary(&self, row: Row) -> Result<Sweep, StoreError> {
         let (id, uuid, name, model, preset, state, priority, created_at, warnings, plan, spec) =
             row;
-        // In this order: once nothing is open, the counts are final, so a finished sweep never shows old ones.
+        // In this order: once a pilot has chosen, points are there, and once nothing is open, the counts are final, so a finished sweep never shows old ones.
+        let (accuracy, planned) = self.sweep_accuracy(id, &spec).await?;
+        let waits = accuracy.as_ref().is_some_and(|of| of.choice.is_none());
         let (open, running) = self.sweep_open(id).await?;
-        let points = self.sweep_counts(id).await?;
+        let mut points = self.sweep_counts(id).await?;
+        if waits {
+            (points.total, points.waiting) = (planned, planned);
+        }
         let plan: Value = serde_json::from_str(&plan).map_err(StoreError::corrupt("plan"))?;
-        let state = shown_state(&state, open);
+        let state = shown_state(&state, open || waits);
         let eta_s = if state == SweepState::Active && running > 0 {
             let mut reader = self.readers().acquire().await?;
             let taken = self.inner.pace.taken(id);
@@ -140,6 +148,7 @@ impl Store {
                 .map_err(StoreError::corrupt("plan"))?,
             warnings: serde_json::from_str(&warnings)
                 .map_err(StoreError::corrupt("list of warnings"))?,
+            accuracy,
             spec: Some(serde_json::from_str(&spec).map_err(StoreError::corrupt("spec"))?),
         })
     }
@@ -149,12 +158,40 @@ impl Store {
         let id = self.sweep_plan(sweep).await?.id;
         let (_, last) = self.event_range(id).await?;
         let (open, _) = self.sweep_open(id).await?;
+        let open = open || self.sweep_waits(id).await?;
         let count = *self.inner.changed.borrow();
         Ok(if open {
             format!("{id} {last} {count} {:?}", self.inner.opened)
         } else {
             format!("{id} {last}")
         })
+    }
+
+    /// The accuracy that a sweep was asked for, if it has a pilot, and the points that it will have.
+    async fn sweep_accuracy(
+        &self,
+        id: i64,
+        spec: &str,
+    ) -> Result<(Option<Accuracy>, u64), StoreError> {
+        const READ: &str = "
+            select p.uuid, s.choice, s.points from sweep s join sweep p on p.id = s.pilot where s.id = $1";
+        let row = sqlx::query_as(READ).bind(id);
+        let row: Option<(uuid::Uuid, Option<String>, i64)> =
+            row.fetch_optional(self.readers()).await?;
+        let Some((pilot, choice, points)) = row else {
+            return Ok((None, 0));
+        };
+        let spec: Value = serde_json::from_str(spec).map_err(StoreError::corrupt("spec"))?;
+        let targets = spec["accuracy"].as_object().into_iter().flatten();
+        let accuracy = Accuracy {
+            targets: targets
+                .filter(|(name, _)| *name != "packings")
+                .filter_map(|(name, value)| Some((name.clone(), value.as_f64()?)))
+                .collect(),
+            pilot: SweepId(pilot),
+            choice: read_choice(choice.as_deref())?,
+        };
+        Ok((Some(accuracy), points as u64))
     }
 
     async fn sweep_counts(&self, id: i64) -> Result<PointCounts, StoreError> {
@@ -176,6 +213,15 @@ impl Store {
             }
         }
         Ok(counts)
+    }
+
+    /// Whether the sweep's pilot has not decided yet.
+    async fn sweep_waits(&self, id: i64) -> Result<bool, StoreError> {
+        const WAITS: &str = "select pilot is not null and choice is null from sweep where id = $1";
+        Ok(sqlx::query_scalar(WAITS)
+            .bind(id)
+            .fetch_one(self.readers())
+            .await?)
     }
 
     /// Whether some job of the sweep is still to be done, and how many ensembles of it are running.
@@ -208,7 +254,12 @@ impl Store {
         let (id, before) = Self::sweep_row(&mut transaction, sweep).await?;
         self.set_state(&mut transaction, id, &before, "cancelled")
             .await?;
-        let jobs = job::job_cancel_unwanted(&mut transaction, id).await?;
+        let mut jobs = job::job_cancel_unwanted(&mut transaction, id).await?;
+        if let Some((pilot, before)) = pilot_of(&mut transaction, id, true).await? {
+            self.set_state(&mut transaction, pilot, &before, "cancelled")
+                .await?;
+            jobs += job::job_cancel_unwanted(&mut transaction, pilot).await?;
+        }
         self.commit(transaction).await?;
         Ok(Steered {
             state: SweepState::Cancelled,
@@ -223,6 +274,11 @@ impl Store {
         if before == "active" {
             self.set_state(&mut transaction, id, &before, "paused")
                 .await?;
+            let pilot = pilot_of(&mut transaction, id, true).await?;
+            if let Some((pilot, before)) = pilot.filter(|(_, before)| before == "active") {
+                self.set_state(&mut transaction, pilot, &before, "paused")
+                    .await?;
+            }
         }
         self.commit(transaction).await?;
         self.steered(sweep, 0).await
@@ -248,7 +304,13 @@ impl Store {
             .fetch_one(&mut **transaction)
             .await?;
         self.set_state(transaction, id, &before, "active").await?;
-        job::job_revive(transaction, id).await
+        let mut jobs = job::job_revive(transaction, id).await?;
+        if let Some((pilot, before)) = pilot_of(transaction, id, false).await? {
+            self.set_state(transaction, pilot, &before, "active")
+                .await?;
+            jobs += job::job_revive(transaction, pilot).await?;
+        }
+        Ok(jobs)
     }
 
     /// Tries again what failed by no fault of its own: poisoned jobs, faults of machines, and what needs them.
@@ -291,6 +353,27 @@ impl Store {
         let state = self.sweep_read(sweep).await?.state;
         Ok(Steered { state, jobs })
     }
+}
+
+/// What a pilot has chosen, as it was stored.
+fn read_choice(text: Option<&str>) -> Result<Option<Choice>, StoreError> {
+    let read = text.map(serde_json::from_str).transpose();
+    read.map_err(StoreError::corrupt("choice"))
+}
+
+/// The pilot that a sweep waits for, and its state; with `alone`, only if no other sweep that goes on waits for it.
+async fn pilot_of(
+    transaction: &mut Writing,
+    sweep: i64,
+    alone: bool,
+) -> Result<Option<(i64, String)>, StoreError> {
+    const PILOT: &str = "
+        select p.id, p.state from sweep s join sweep p on p.id = s.pilot
+         where s.id = $1 and s.choice is null
+           and not ($2 and exists (select 1 from sweep o where o.pilot = p.id and o.choice is null and o.id <> s.id
+                                      and o.state = 'active'))";
+    let pilot = sqlx::query_as(PILOT).bind(sweep).bind(alone);
+    Ok(pilot.fetch_optional(&mut **transaction).await?)
 }
 
 fn shown_state(stored: &str, open: bool) -> SweepState {

@@ -311,7 +311,7 @@ impl Reader<'_> {
 }
 
 /// `time_step 0.5`: a parameter and its value in words.
-fn told(name: &str, value: &Value) -> String {
+pub(crate) fn told(name: &str, value: &Value) -> String {
     match value {
         Value::Number(number) if number.is_f64() => {
             format!("{name} {}", number.as_f64().unwrap_or(f64::NAN))

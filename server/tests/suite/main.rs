@@ -2,6 +2,7 @@
 
 mod harness;
 
+mod accuracy;
 mod archived;
 mod artifacts;
 mod beam;

@@ -384,6 +384,16 @@ export interface paths {
 export type webhooks = Record<string, never>;
 export interface components {
     schemas: {
+        /** @description How accurate a sweep's results must be, and what its pilot has found. */
+        Accuracy: {
+            choice?: components["schemas"]["Choice"] | null;
+            /** @description The study that decides, a sweep like any other. */
+            pilot: components["schemas"]["SweepId"];
+            /** @description The largest error of each result; a share of it where its `{name}_error` is one. */
+            targets: {
+                [key: string]: number;
+            };
+        };
         /** @description One worker's try at a job. */
         Attempt: {
             /**
@@ -403,6 +413,27 @@ export interface components {
             started_at: string;
             /** @description Who tried. */
             worker: components["schemas"]["WorkerId"];
+        };
+        /** @description The settings that a pilot has chosen, and why. */
+        Choice: {
+            /** @description What the pilot says of them, one row for each scene that it looked at: errors with their bounds, and cost. */
+            evidence: components["schemas"]["SetRow"][];
+            /**
+             * Format: double
+             * @description Core-seconds that the pilot took, packings and reference included.
+             */
+            pilot_core_seconds: number;
+            /** @description Why it is the reference, if it is. */
+            reason?: string | null;
+            /**
+             * Format: double
+             * @description Core-seconds of a packing's runs in these settings over those of the reference: what was saved.
+             */
+            relative_cost?: number | null;
+            /** @description In words, such as `ramp 4500, drag 0.01`. */
+            setting: string;
+            /** @description The parameters that were chosen; every point has them. */
+            values: Record<string, unknown>;
         };
         /** @description `POST /leases/{lease}/complete`: outcomes of some or all jobs of the lease. */
         Completion: {
@@ -787,6 +818,7 @@ export interface components {
         Page_Sweep: {
             /** @description The rows. */
             items: {
+                accuracy?: components["schemas"]["Accuracy"] | null;
                 /** @description The parameters that vary. */
                 axes: string[];
                 /** @description RFC 3339. */
@@ -1117,6 +1149,7 @@ export interface components {
         };
         /** @description One row of `GET /sweeps`, and `GET /sweeps/{id}`. */
         Sweep: {
+            accuracy?: components["schemas"]["Accuracy"] | null;
             /** @description The parameters that vary. */
             axes: string[];
             /** @description RFC 3339. */
