@@ -13,7 +13,7 @@ use granary_core::stage::StageSpec;
 use serde_json::{Value, json};
 
 /// E_p \[MPa\] of all packings that are archived, each compacted with every friction of protocol A.
-const COMPACTED: [f64; 2] = [10.0, 100.0];
+const COMPACTED: [f64; 3] = [10.0, 50.0, 100.0];
 
 /// E_p \[MPa\] and seed of the packings that are bent with all frictions of both protocols.
 const BENT: [(f64, u64); 3] = [(100.0, 1), (100.0, 2), (100.0, 3)];
