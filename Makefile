@@ -6,7 +6,7 @@ GRANARY = target/release/granary
 ARGS ?=
 WHAT ?=
 
-.PHONY: demo test check bench validate verify e2e dev web web-test build clean help
+.PHONY: demo test check bench validate presets verify e2e dev web web-test build clean help
 
 help: ## what can be made
 	@grep -E '^[a-z0-9-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 12
@@ -45,6 +45,11 @@ bench: ## time the engine on this machine, on a pack of its own
 
 validate: ## long physics checks: WHAT=numerics|packs|beam
 	$(CARGO) test --release --locked -p granary-core --features validation --lib --test validation -- --nocapture $(WHAT)
+
+presets: ## measure again what presets cost in accuracy, for `granary models` and /models
+	$(CARGO) build --release --locked
+	$(GRANARY) study examples/study-presets-memory.toml --json > docs/presets/memory.json.new
+	mv docs/presets/memory.json.new docs/presets/memory.json
 
 verify: ## long service checks: WHAT=crash|intake|service
 	$(CARGO) build --release --locked

@@ -1,5 +1,7 @@
 //! Experiments as `/models` describes them.
 
+use std::collections::BTreeMap;
+
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use utoipa::ToSchema;
@@ -33,4 +35,17 @@ pub struct Preset {
     /// The parameters that it sets.
     #[schema(value_type = Object)]
     pub values: Value,
+    /// What it costs in accuracy and in time, as studies found on scenes that they name.
+    pub measured: Vec<Measured>,
+}
+
+/// What a study found of a preset.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct Measured {
+    /// On which scene.
+    pub scene: String,
+    /// Deviations from the study's reference, their uncertainty and the cost, by name.
+    pub results: BTreeMap<String, Option<f64>>,
+    /// Packings.
+    pub n: u64,
 }

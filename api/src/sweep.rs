@@ -139,7 +139,7 @@ pub struct Steered {
 /// How accurate a sweep's results must be, and what its pilot has found.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct Accuracy {
-    /// The largest error of each result; a share of it where its `{name}_error` is one.
+    /// The largest error of each result; a share of it where its `{name}_deviation` is one.
     pub targets: BTreeMap<String, f64>,
     /// The study that decides, a sweep like any other.
     pub pilot: SweepId,

@@ -1,11 +1,12 @@
 //! `granary models`: what an experiment may be told.
 
+use granary_api::model::Measured;
 use granary_core::model::Model;
 use serde_json::{Map, Value, json};
 
 use crate::failure::Done;
 use crate::output;
-use crate::table::{Table, parameter};
+use crate::table::{Table, digits, parameter};
 
 /// List the parameters of the experiments, with units, defaults and what they mean.
 #[derive(Debug, clap::Args)]
@@ -52,8 +53,43 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<Done> {
     output::bytes(table.render().as_bytes())?;
     for preset in model.presets() {
         output::line(&format!("preset {}: {}", preset.name, preset.sentence))?;
+        for measured in granary_server::presets::measured(model, preset.name) {
+            output::line(&format!("  {}", told(&measured, model)))?;
+        }
     }
     Ok(Done::Complete)
+}
+
+/// What a study found of a preset, in a sentence.
+fn told(measured: &Measured, model: Model) -> String {
+    let get = |name: &str| measured.results.get(name).copied().flatten();
+    let mut parts = vec![];
+    for judged in model.judged() {
+        let name = format!("{}_deviation", judged.name);
+        let (scale, unit) = if judged.relative {
+            (100.0, " %")
+        } else {
+            (1.0, "")
+        };
+        if let Some(mean) = get(&name) {
+            let sign = if mean > 0.0 { "+" } else { "" };
+            let bound = get(&format!("{name}_bound")).map_or_else(String::new, |bound| {
+                format!(
+                    " (of a further packing below {}{unit})",
+                    digits(bound * scale, 2)
+                )
+            });
+            parts.push(format!(
+                "{} off by {sign}{}{unit}{bound}",
+                judged.name,
+                digits(mean * scale, 2)
+            ));
+        }
+    }
+    if let Some(cost) = get("relative_cost") {
+        parts.push(format!("{} of the reference's time", digits(cost, 2)));
+    }
+    format!("measured on {}: {}", measured.scene, parts.join(", "))
 }
 
 fn schema(model: Model) -> Value {

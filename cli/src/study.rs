@@ -81,7 +81,7 @@ async fn print(client: &ApiClient, sweep: &Sweep, args: &Args) -> anyhow::Result
         std::fs::write(path, text).with_context(|| format!("cannot write {}", path.display()))?;
     }
     if args.json {
-        return output::json(&json!({"items": rows, "next": null}));
+        return output::json(&json!({"name": sweep.name, "items": rows, "next": null}));
     }
     output::bytes(shown::table(&rows, model).render().as_bytes())?;
     output::line(shown::LEGEND)

@@ -68,6 +68,21 @@ pub(crate) fn number(value: f64) -> String {
     short(&text).to_owned()
 }
 
+/// So many significant digits, without a power of ten where six places will do.
+pub(crate) fn digits(value: f64, count: i32) -> String {
+    if value == 0.0 || !value.is_finite() {
+        return number(value);
+    }
+    let power = value.abs().log10().floor() as i32;
+    let unit = 10f64.powi(power + 1 - count);
+    let rounded = (value / unit).round() * unit;
+    match usize::try_from(count - 1 - power) {
+        Ok(places @ 0..=6) => format!("{rounded:.places$}"),
+        Ok(_) => format!("{value:.0e}"),
+        Err(_) => format!("{rounded:.0}"),
+    }
+}
+
 /// A decimal fraction without zeros at its end.
 fn short(text: &str) -> &str {
     if text.contains('.') {
@@ -205,6 +220,14 @@ mod tests {
         .collect();
         let expected = ["0", "1", "-0.25", "174000", "123457", "3e-15", "0.91235"];
         assert_eq!(shown, expected);
+    }
+
+    #[test]
+    fn digits_are_significant_ones() {
+        let shown = [0.000_123_4, 0.012_34, 1.234, 123.4, 0.0].map(|value| digits(value, 2));
+        assert_eq!(shown, ["0.00012", "0.012", "1.2", "120", "0"]);
+        assert_eq!(digits(1.2e-9, 2), "1e-9");
+        assert_eq!(digits(0.0996, 2), "0.100");
     }
 
     #[test]

@@ -10,6 +10,7 @@ pub(crate) mod recall;
 pub mod results;
 pub(crate) mod run;
 pub mod score;
+pub mod sound;
 pub mod spec;
 pub mod state;
 pub(crate) mod train;

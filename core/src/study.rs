@@ -1,5 +1,26 @@
 //! Studies: what a cheaper setting costs in accuracy, from its results and the reference's on the same packings; pure.
 
+use crate::parameter::Quantity;
+
+/// What a study says of the cost of a setting.
+pub const COSTS: &[Quantity] = &[
+    Quantity::new(
+        "core_seconds",
+        ("t", "s"),
+        "Core-seconds of everything after the packing, for one packing.",
+    ),
+    Quantity::new(
+        "relative_cost",
+        ("t/t_ref", ""),
+        "Core-seconds over those of the reference.",
+    ),
+    Quantity::new(
+        "preparation_core_seconds",
+        ("t_prep", "s"),
+        "Core-seconds of making one packing, which settings share unless they change it.",
+    ),
+];
+
 /// A result by which settings are judged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Judged {

@@ -7,6 +7,7 @@ mod archive;
 mod config;
 mod error;
 mod planner;
+pub mod presets;
 pub mod queue;
 pub mod reaper;
 pub mod reduce;

@@ -83,7 +83,7 @@ fn a_study_says_what_each_setting_costs() {
     let told: Vec<_> = rows.iter().map(|row| &row["setting"]).collect();
     assert_eq!(told, ["reference", "time_step 0.3", "preset paper"]);
     for row in rows {
-        assert!(row["results"]["fidelity_error"].is_f64(), "{row}");
+        assert!(row["results"]["fidelity_deviation"].is_f64(), "{row}");
         assert!(row["results"]["core_seconds"].is_f64(), "{row}");
     }
     let picture = std::fs::read_to_string(sandbox.path("study.svg")).expect("a picture");
@@ -125,7 +125,10 @@ fn settings_are_chosen_for_the_accuracy_that_is_asked_for() {
     let mean = sets.as_array().expect("a list").last().expect("a mean");
     assert_eq!(mean["of"], 3);
     assert_eq!(mean["parameters"]["drag"], 0.01);
-    assert!(mean["results"]["fidelity_error_bound"].is_f64(), "{mean}");
+    assert!(
+        mean["results"]["fidelity_deviation_bound"].is_f64(),
+        "{mean}"
+    );
     // A choice once made is kept, and with it the results.
     let second = run();
     assert!(

@@ -96,7 +96,7 @@ fn kind(label: &str) -> &str {
 /// Cost, and how large the error may be; nothing if either is not known or zero, which has no place here.
 fn place(row: &SetRow, judged: Judged) -> Option<(f64, f64)> {
     let cost = result(row, "core_seconds")?;
-    let name = format!("{}_error", judged.name);
+    let name = format!("{}_deviation", judged.name);
     let error = result(row, &format!("{name}_bound")).or_else(|| result(row, &name))?;
     (cost > 0.0 && error != 0.0).then_some((cost, error.abs()))
 }

@@ -4,7 +4,7 @@ use granary_api::table::SetRow;
 use granary_core::model::Model;
 use granary_core::study::Judged;
 
-use crate::table::{Table, number, parameter};
+use crate::table::{Table, digits, number, parameter};
 
 /// What the columns mean.
 pub(super) const LEGEND: &str = "\
@@ -78,7 +78,7 @@ fn error(row: &SetRow, judged: &Judged) -> Option<String> {
         return None;
     }
     let get = |what: &str| {
-        let name = format!("{}_error{what}", judged.name);
+        let name = format!("{}_deviation{what}", judged.name);
         result(row, &name).map(|error| error * scale)
     };
     let mean = get("")?;
@@ -86,21 +86,6 @@ fn error(row: &SetRow, judged: &Judged) -> Option<String> {
     let bound = get("_bound").map_or_else(String::new, |bound| format!(" ({})", digits(bound, 2)));
     let sign = if mean > 0.0 { "+" } else { "" };
     Some(format!("{sign}{}{sem}{unit}{bound}", digits(mean, 2)))
-}
-
-/// So many significant digits, without a power of ten where six places will do.
-fn digits(value: f64, count: i32) -> String {
-    if value == 0.0 || !value.is_finite() {
-        return number(value);
-    }
-    let power = value.abs().log10().floor() as i32;
-    let unit = 10f64.powi(power + 1 - count);
-    let rounded = (value / unit).round() * unit;
-    match usize::try_from(count - 1 - power) {
-        Ok(places @ 0..=6) => format!("{rounded:.places$}"),
-        Ok(_) => format!("{value:.0e}"),
-        Err(_) => format!("{rounded:.0}"),
-    }
 }
 
 #[cfg(test)]
@@ -134,17 +119,17 @@ mod tests {
             row(
                 "reference",
                 "reference",
-                &[("gain", 0.35), ("gain_error", 0.0)],
+                &[("gain", 0.35), ("gain_deviation", 0.0)],
             ),
             row(
                 "ramp 4500",
                 "front",
                 &[
                     ("gain", 0.357),
-                    ("gain_error", 0.0213),
-                    ("gain_error_sem", 0.00412),
-                    ("gain_error_bound", 0.0561),
-                    ("fidelity_error", -0.00327),
+                    ("gain_deviation", 0.0213),
+                    ("gain_deviation_sem", 0.00412),
+                    ("gain_deviation_bound", 0.0561),
+                    ("fidelity_deviation", -0.00327),
                     ("core_seconds", 12.345),
                     ("relative_cost", 0.2513),
                 ],
@@ -156,13 +141,5 @@ mod tests {
         assert!(lines[2].contains("-0.0033"), "{text}");
         assert!(lines[2].contains("12.3    0.25  front"), "{text}");
         assert!(lines[1].contains("–"), "{text}");
-    }
-
-    #[test]
-    fn digits_are_significant_ones() {
-        let shown = [0.000_123_4, 0.012_34, 1.234, 123.4, 0.0].map(|value| digits(value, 2));
-        assert_eq!(shown, ["0.00012", "0.012", "1.2", "120", "0"]);
-        assert_eq!(digits(1.2e-9, 2), "1e-9");
-        assert_eq!(digits(0.0996, 2), "0.100");
     }
 }

@@ -229,6 +229,7 @@ fn cycles<S: Shape>(
         train: None,
         walls,
         unsheared: vec![],
+        sound: None,
     };
     let seen = observe(&drive.scene)[0];
     let steps = before + last;

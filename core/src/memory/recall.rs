@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::cycle::{Cycle, Drive, Program, Sample, Segment, Track};
 use super::run;
 use super::score::Signal;
+use super::sound::Sound;
 use super::spec::RecallSpec;
 use super::state::{Checkpoint, PackState, Past};
 use super::train::{Chosen, extent, laws};
@@ -231,6 +232,8 @@ fn outcome<R: Replicas, P: Physics>(
         results.extend(run::observed(&first.seen, ""));
         results.extend(run::observed(&last.seen, "_compressed"));
     }
+    results.extend(Sound::results(past.sound));
+    let warning = past.sound.and_then(|sound| sound.warning(spec.ramp));
     let history = history(&series, past.pack.youngs_modulus);
     Outcome {
         results,
@@ -239,7 +242,7 @@ fn outcome<R: Replicas, P: Physics>(
             (SIGNAL.to_owned(), canonical_json(&signal).into_bytes()),
             (HISTORY.to_owned(), canonical_json(&history).into_bytes()),
         ]),
-        warnings: vec![],
+        warnings: warning.into_iter().collect(),
         steps: drive.cycle.steps(),
     }
 }

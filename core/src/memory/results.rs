@@ -68,6 +68,16 @@ pub const RESULTS: &[Quantity] = &[
         "How much larger the critical time step can be at most.",
     ),
     Quantity::new(
+        "sound_period",
+        ("T_s", "t_c"),
+        "Time of a swing of the longest sound that the walls can stir in the trained pack.",
+    ),
+    Quantity::new(
+        "sound_decay_time",
+        ("τ_s", "t_c"),
+        "Time in which the energy of that sound falls to 1/e, drag included; a ramp of less than seven times that is warned about.",
+    ),
+    Quantity::new(
         "volume_fraction",
         ("φ", ""),
         "Volume fraction before the compression that encodes.",

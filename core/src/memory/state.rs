@@ -3,6 +3,7 @@
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
+use super::sound::Sound;
 use super::spec::{PackSpec, TrainSpec};
 use crate::grains::{Motion, Pose};
 use crate::physics;
@@ -19,6 +20,8 @@ pub struct Past {
     pub walls: [f64; 6],
     /// p_xy \[E\] of the training compression, which carries no waveform, at the 256 values of u; empty before training.
     pub unsheared: Vec<f64>,
+    /// What the trained pack sounds like, if it was heard.
+    pub sound: Option<Sound>,
 }
 
 /// A pack between two stages.

@@ -8,6 +8,7 @@ use super::cycle::{Cycle, Drive, Segment, Track};
 use super::pack::{body, material};
 use super::ramp_steps;
 use super::run;
+use super::sound::{self, Sound};
 use super::spec::TrainSpec;
 use super::state::{Checkpoint, PackState, Past};
 use crate::grains::Grains;
@@ -82,7 +83,7 @@ pub(crate) fn run<P: Physics>(
     };
     // The first step of a recall stands where the last one of a training would.
     let end = drive.cycle.steps();
-    run::drive(&mut drive, (0, end), progress, &|drive, k| {
+    let save = |drive: &Drive<F64x1, P>, k: usize| {
         let header = Header {
             stage: stage.to_owned(),
             step: drive.step,
@@ -90,11 +91,14 @@ pub(crate) fn run<P: Physics>(
             track: drive.tracks[k].clone(),
         };
         run::checkpoint_of(&drive.scene, k, header).to_bytes()
-    })?;
+    };
+    run::drive(&mut drive, (0, end), progress, &save)?;
     if let Some((step, stop)) = drive.stops[0].take() {
         return Err(run::stopped(step, stop));
     }
-    Ok(outcome(spec, input, &drive))
+    let mut ask = || progress.ask(end, &|| vec![save(&drive, 0)]);
+    let sound = sound::measure(&drive.scene, &mut ask)?;
+    Ok(outcome(spec, input, &drive, sound))
 }
 
 fn cycle(spec: &TrainSpec, past: &Past) -> Cycle {
@@ -161,7 +165,12 @@ fn resumed<P: Physics>(
     Ok(drive)
 }
 
-fn outcome<P: Physics>(spec: &TrainSpec, input: &PackState, drive: &Drive<F64x1, P>) -> Outcome {
+fn outcome<P: Physics>(
+    spec: &TrainSpec,
+    input: &PackState,
+    drive: &Drive<F64x1, P>,
+    sound: Option<Sound>,
+) -> Outcome {
     let top = drive.tracks[0].complete(0).unwrap_or_default();
     let mut results = run::observed(&observe(&drive.scene)[0], "");
     if let Some(last) = top.last() {
@@ -173,7 +182,9 @@ fn outcome<P: Physics>(spec: &TrainSpec, input: &PackState, drive: &Drive<F64x1,
     );
     results.extend(run::measured(drive.tracks[0].critical_time_step));
     results.insert("time_step".to_owned(), Some(drive.scene.laws.time_step));
+    results.extend(Sound::results(sound));
     let past = Past {
+        sound,
         train: Some(spec.clone()),
         unsheared: top
             .iter()

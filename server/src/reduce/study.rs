@@ -169,10 +169,13 @@ impl<F: Fn(&SetRow) -> Cost> Compared<'_, F> {
         let name = judged.name;
         let mut put = |name: String, value| results.insert(name, value);
         put(name.to_owned(), mean(known.into_iter().map(Some)));
-        put(format!("{name}_error"), deviation.map(|d| d.mean));
-        put(format!("{name}_error_sem"), deviation.and_then(|d| d.sem));
+        put(format!("{name}_deviation"), deviation.map(|d| d.mean));
         put(
-            format!("{name}_error_bound"),
+            format!("{name}_deviation_sem"),
+            deviation.and_then(|d| d.sem),
+        );
+        put(
+            format!("{name}_deviation_bound"),
             deviation.and_then(|d| d.bound),
         );
     }
@@ -228,7 +231,7 @@ fn judged(mut rows: Vec<SetRow>, model: Model) -> Vec<SetRow> {
     let trade = |row: &SetRow| {
         let get = |name: &str| row.results.get(name).copied().flatten();
         let size = |judged: &Judged| {
-            let name = format!("{}_error", judged.name);
+            let name = format!("{}_deviation", judged.name);
             get(&format!("{name}_bound")).or_else(|| get(&name).map(f64::abs))
         };
         Some(Trade {

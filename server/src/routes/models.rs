@@ -4,10 +4,12 @@ use axum::Json;
 use granary_api::model::{Model, Preset};
 use granary_api::table::Page;
 use granary_core::model;
+use granary_core::study::COSTS;
 use serde_json::{Map, Value, json};
 
 use super::body::Id;
 use crate::error::ApiError;
+use crate::presets::measured;
 
 /// The experiments that sweeps can be made of.
 #[utoipa::path(get, path = "/api/v1/models", responses((status = 200, body = Page<Model>)))]
@@ -36,10 +38,10 @@ fn described(model: model::Model) -> Model {
     let properties: Map<String, Value> = parameters
         .map(|row| (row.name.to_owned(), row.schema()))
         .collect();
-    let results: Map<String, Value> = model
-        .results()
-        .iter()
+    let results = model.results().iter().chain(COSTS);
+    let results: Map<String, Value> = results
         .map(|row| (row.name.to_owned(), row.schema()))
+        .chain(deviations(model))
         .collect();
     Model {
         name: model.name().to_owned(),
@@ -53,6 +55,29 @@ fn described(model: model::Model) -> Model {
             .collect(),
         reductions: reductions(model),
     }
+}
+
+/// What a study adds to each result that it judges settings by.
+fn deviations(model: model::Model) -> impl Iterator<Item = (String, Value)> {
+    model.judged().iter().flat_map(move |judged| {
+        let name = judged.name;
+        let row = model.results().iter().find(|row| row.name == name);
+        let symbol = row.map_or(name, |row| row.symbol);
+        let (change, share) = if judged.relative {
+            (format!("Δ{symbol}/{symbol}"), ", as a share of it")
+        } else {
+            (format!("Δ{symbol}"), "")
+        };
+        let property = |end: &str, symbol: String, sentence: String| {
+            let schema = json!({"type": ["number", "null"], "description": sentence, "x-symbol": symbol, "x-unit": ""});
+            (format!("{name}_deviation{end}"), schema)
+        };
+        let bound = "What the deviation from the reference stays below, either way, in 9 of 10 further packings";
+        [
+            property("", change.clone(), format!("Mean deviation from the reference on the same packings{share}.")),
+            property("_bound", format!("|{change}|₉₀"), format!("{bound}{share}.")),
+        ]
+    })
 }
 
 /// The reductions of a model, its usual chain first.
@@ -80,5 +105,6 @@ fn preset(model: model::Model, preset: &granary_core::parameter::Preset) -> Pres
         name: preset.name.to_owned(),
         sentence: preset.sentence.to_owned(),
         values: Value::Object(set.collect()),
+        measured: measured(model, preset.name),
     }
 }

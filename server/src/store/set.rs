@@ -307,7 +307,7 @@ impl Store {
 fn bound(set: &mut SetRow, choice: &Choice) {
     let names: Vec<String> = set.results.keys().cloned().collect();
     for name in names {
-        let error = format!("{name}_error_bound");
+        let error = format!("{name}_deviation_bound");
         let bounds = choice
             .evidence
             .iter()

@@ -314,7 +314,7 @@ impl Accuracy {
     /// Whether every error of a setting, with its uncertainty, is within its target.
     fn keeps(&self, row: &SetRow) -> bool {
         let within = |(name, target): &(&str, f64)| {
-            let bound = row.results.get(&format!("{name}_error_bound"));
+            let bound = row.results.get(&format!("{name}_deviation_bound"));
             bound
                 .copied()
                 .flatten()

@@ -16,6 +16,8 @@ use super::section::{Sections, unknown_parameter};
 
 /// The most settings of one study.
 const MOST_SETTINGS: usize = 200;
+/// The spec as it stands.
+const AS_WRITTEN: &str = "as written";
 /// The fields that are not knobs.
 const FIELDS: [&str; 2] = ["reference", "setting"];
 
@@ -76,7 +78,7 @@ pub(crate) fn read(
             ..reference
         },
         Change {
-            label: "as written".to_owned(),
+            label: AS_WRITTEN.to_owned(),
             ..Change::default()
         },
     ];
@@ -295,15 +297,23 @@ impl Reader<'_> {
                     )
                 })
                 .collect();
-            if settings.iter().all(|known| known.studied.values != values) {
-                settings.push(Setting {
+            let known = settings
+                .iter_mut()
+                .find(|known| known.studied.values == values);
+            match known {
+                // The study's own words for it say more.
+                Some(known) if known.studied.label == AS_WRITTEN => {
+                    known.studied.label = change.label;
+                }
+                Some(_) => {}
+                None => settings.push(Setting {
                     studied: Studied {
                         label: change.label,
                         values,
                     },
                     place: change.place,
                     named: change.values.keys().cloned().collect(),
-                });
+                }),
             }
         }
         settings

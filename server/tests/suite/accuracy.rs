@@ -163,7 +163,7 @@ async fn cheapest_setting_that_keeps_the_target_is_chosen_and_shown_with_its_evi
     assert_eq!(points["items"][0]["parameters"]["ramp"], 9000.0);
     let sets = read(&fresh, sweep, "/sets?where=reduce=mean_sem").await;
     let results = &sets["items"][0]["results"];
-    let bound = results["gain_error_bound"].as_f64().expect("a bound");
+    let bound = results["gain_deviation_bound"].as_f64().expect("a bound");
     assert!((0.0098..0.015).contains(&bound), "{bound}");
     // The same sweep again is found with its choice, and nothing is to be computed.
     let again = fresh.submit(&spec).await;

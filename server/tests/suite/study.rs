@@ -97,8 +97,8 @@ async fn settings_share_their_packings_and_each_has_its_errors_and_its_cost() {
         assert_eq!(results["core_seconds"], 5.0);
         assert_eq!(results["preparation_core_seconds"], 1.0);
         assert_eq!(results["relative_cost"], 1.0);
-        assert_eq!(results["fidelity_error"], 0.0);
-        assert_eq!(results["fidelity_error_sem"], 0.0);
+        assert_eq!(results["fidelity_deviation"], 0.0);
+        assert_eq!(results["fidelity_deviation_sem"], 0.0);
         assert_eq!((&row["n"], &row["of"]), (&json!(2), &json!(2)));
     }
     assert_eq!(studied[0]["parameters"], json!({"time_step": 1.5}));
@@ -121,12 +121,12 @@ async fn beam_is_judged_by_stiffness_and_strength() {
         studied.iter().filter(same).nth(row).expect("a row").clone()
     };
     let strong = of(0.9, 1);
-    assert_eq!(strong["results"]["ultimate_strength_error"], 0.0);
+    assert_eq!(strong["results"]["ultimate_strength_deviation"], 0.0);
     assert_eq!(strong["results"]["core_seconds"], 1.0);
     assert_eq!(strong["results"]["preparation_core_seconds"], 2.0);
     // Without a yield there is a stiffness to compare, and no strength.
     let weak = of(0.2, 1);
-    assert_eq!(weak["results"]["beam_stiffness_error"], 0.0);
-    assert_eq!(weak["results"]["ultimate_strength_error"], Value::Null);
+    assert_eq!(weak["results"]["beam_stiffness_deviation"], 0.0);
+    assert_eq!(weak["results"]["ultimate_strength_deviation"], Value::Null);
     assert_eq!(weak["verdict"], "incomplete");
 }

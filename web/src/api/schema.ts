@@ -389,7 +389,7 @@ export interface components {
             choice?: components["schemas"]["Choice"] | null;
             /** @description The study that decides, a sweep like any other. */
             pilot: components["schemas"]["SweepId"];
-            /** @description The largest error of each result; a share of it where its `{name}_error` is one. */
+            /** @description The largest error of each result; a share of it where its `{name}_deviation` is one. */
             targets: {
                 [key: string]: number;
             };
@@ -660,6 +660,20 @@ export interface components {
             at: string;
             /** @description What happened. */
             message: string;
+        };
+        /** @description What a study found of a preset. */
+        Measured: {
+            /**
+             * Format: int64
+             * @description Packings.
+             */
+            n: number;
+            /** @description Deviations from the study's reference, their uncertainty and the cost, by name. */
+            results: {
+                [key: string]: number | null;
+            };
+            /** @description On which scene. */
+            scene: string;
         };
         /** @description One mistake in a request. */
         Mistake: {
@@ -985,6 +999,8 @@ export interface components {
         };
         /** @description A named choice of numerics. */
         Preset: {
+            /** @description What it costs in accuracy and in time, as studies found on scenes that they name. */
+            measured: components["schemas"]["Measured"][];
             /** @description The name in a sweep's `preset`. */
             name: string;
             /** @description What it is for. */

@@ -9,7 +9,8 @@ import { Heading } from "./heading";
 
 /** Sets shown at a time. */
 const SHOWN = 100;
-const NAMES: Record<string, string> = { gain_fidelity: "each packing", mean_sem: "means ± SEM" };
+const VERDICTS = "front: no other setting is cheaper and at least as accurate. incomplete: some packing has no result.";
+const NAMES: Record<string, string> = { gain_fidelity: "each packing", mean_sem: "means ± SEM", study: "settings" };
 
 export function SetSection({ sets, model }: { sets: Page<SetRow>; model: Model | undefined }) {
   const { all, chosen } = reductions(sets.items);
@@ -47,6 +48,7 @@ function Table({ rows, model }: { rows: SetRow[]; model: Model | undefined }) {
   // An error stands beside its number.
   const means = names.filter((name) => !name.endsWith("_sem") && !name.endsWith("_error"));
   const fits = rows.some((row) => row.shape);
+  const studied = rows.some((row) => row.setting);
   const told = fits || rows.some((row) => row.processing);
   const results = inOrder(model, means).map((name) => resultQuantity(model, name));
   return (
@@ -54,6 +56,8 @@ function Table({ rows, model }: { rows: SetRow[]; model: Model | undefined }) {
       <table class="sets">
         <thead>
           <tr>
+            {studied && <th scope="col">Setting</th>}
+            {studied && <th scope="col" title={VERDICTS}>Verdict</th>}
             {parameters.map((name) => (
               <Heading key={name} quantity={parameterQuantity(model, name)} />
             ))}
@@ -68,6 +72,8 @@ function Table({ rows, model }: { rows: SetRow[]; model: Model | undefined }) {
         <tbody>
           {rows.map((row) => (
             <tr key={row.set} data-set={row.set} class={row.provisional ? "provisional" : ""}>
+              {studied && <th scope="row">{row.setting}</th>}
+              {studied && <td class={row.verdict === "front" ? "front" : ""}>{row.verdict}</td>}
               {parameters.map((name) => (
                 <td key={name} class="number">{parameter(row.parameters[name])}</td>
               ))}

@@ -3,7 +3,7 @@
 import { useEffect } from "preact/hooks";
 import { listSets, type Model, readModel, readSweep, type Sweep } from "../api/client";
 import { useLoaded } from "../api/load";
-import { count, duration, rate } from "../format";
+import { count, duration, number, rate } from "../format";
 import { fixedParameters } from "../quantity";
 import { BeamSection } from "./beam_section";
 import { CurveSection } from "./curve_section";
@@ -76,10 +76,24 @@ function Summary({ sweep, live }: { sweep: Sweep; live: Live }) {
           </div>
         ))}
       </dl>
+      {sweep.accuracy && <Accuracy accuracy={sweep.accuracy} />}
       {sweep.warnings.map((warning) => (
         <p key={warning} class="notice">{warning}</p>
       ))}
     </section>
+  );
+}
+
+/** What was asked for, which pilot decides, and what it has chosen. */
+function Accuracy({ accuracy }: { accuracy: NonNullable<Sweep["accuracy"]> }) {
+  const targets = Object.entries(accuracy.targets).map(([name, most]) => `${name} within ${number(most, 3)}`);
+  const { choice } = accuracy;
+  const cost = typeof choice?.relative_cost === "number" && `, ${count(Math.round(100 * choice.relative_cost))} % of the reference's time`;
+  return (
+    <p class="notice accuracy">
+      Asked for: {targets.join(", ")}. <a href={`#/sweeps/${accuracy.pilot}`}>Its pilot</a>
+      {choice ? ` chose ${choice.setting}${cost || ""}${choice.reason ? `: ${choice.reason}` : ""}.` : " is still to decide."}
+    </p>
   );
 }
 

@@ -57,17 +57,17 @@ fn errors_are_of_pairs_on_one_packing() {
     ]);
     let row = &rows[1];
     assert!(close(row.results["fidelity"], 0.82));
-    assert!(close(row.results["fidelity_error"], 0.02));
-    assert!(close(row.results["fidelity_error_sem"], 0.01));
-    assert!(close(row.results["gain_error"], 0.1));
-    assert!(row.results["gain_error_sem"].is_some_and(|sem| sem < 1e-12));
+    assert!(close(row.results["fidelity_deviation"], 0.02));
+    assert!(close(row.results["fidelity_deviation_sem"], 0.01));
+    assert!(close(row.results["gain_deviation"], 0.1));
+    assert!(row.results["gain_deviation_sem"].is_some_and(|sem| sem < 1e-12));
     assert!(close(row.results["core_seconds"], 20.0));
     assert!(close(row.results["relative_cost"], 1.0 / 3.0));
     assert!(close(row.results["preparation_core_seconds"], 100.0));
     assert_eq!(row.verdict.as_deref(), Some("front"));
     let reference = &rows[0];
     assert_eq!(reference.verdict.as_deref(), Some("reference"));
-    assert!(close(reference.results["fidelity_error_bound"], 0.0));
+    assert!(close(reference.results["fidelity_deviation_bound"], 0.0));
 }
 
 #[test]
@@ -75,7 +75,7 @@ fn stopped_setting_has_no_error_and_says_why() {
     let rows = studied(&[score(0.5, 1, 0.4, 0.7, 6), score(2.0, 1, 0.1, 0.2, 5)]);
     let stopped = &rows[2];
     assert_eq!(stopped.results["fidelity"], None);
-    assert_eq!(stopped.results["fidelity_error"], None);
+    assert_eq!(stopped.results["fidelity_deviation"], None);
     assert_eq!((stopped.n, stopped.of), (0, 1));
     assert_eq!(stopped.verdict.as_deref(), Some("incomplete"));
     let reason = stopped.missing_reason.as_deref().expect("a reason");
@@ -104,6 +104,6 @@ fn what_is_to_come_has_no_verdict() {
     let rows = studied(&[score(0.5, 1, 0.4, 0.7, 6), open]);
     assert_eq!(rows[1].verdict, None);
     assert!(rows[1].provisional);
-    assert_eq!(rows[1].results["fidelity_error"], None);
+    assert_eq!(rows[1].results["fidelity_deviation"], None);
     assert_eq!(rows[1].missing_reason, None);
 }
