@@ -4,7 +4,7 @@ use granary_api::table::SetRow;
 use granary_core::model::Model;
 use granary_core::study::Judged;
 
-use super::shown::result;
+use super::shown::{result, scene};
 use crate::figures::drawing::{Axis, Chart, Curve, Dot, Drawing, Note, Panel, Style};
 use crate::figures::svg;
 use crate::table::parameter;
@@ -18,9 +18,15 @@ const COST: Axis = Axis {
 /// One chart for each result and scene: how large its error may be, over the cost.
 pub(super) fn picture(rows: &[SetRow], model: Model, name: &str) -> String {
     let mut panels = vec![];
+    let differ = scene(rows);
     for rows in scenes(rows) {
+        let told = |name: &String| {
+            let value = rows.first().and_then(|row| row.parameters.get(name));
+            format!(", {name} {}", parameter(value))
+        };
+        let scene: String = differ.iter().map(told).collect();
         for judged in model.judged() {
-            panels.push(Panel::Chart(chart(rows, *judged, model)));
+            panels.push(Panel::Chart(chart(rows, *judged, model, &scene)));
         }
     }
     let drawing = Drawing {
@@ -35,7 +41,7 @@ fn scenes(rows: &[SetRow]) -> impl Iterator<Item = &[SetRow]> {
     rows.chunk_by(|_, next| next.verdict.as_deref() != Some("reference"))
 }
 
-fn chart(rows: &[SetRow], judged: Judged, model: Model) -> Chart {
+fn chart(rows: &[SetRow], judged: Judged, model: Model, scene: &str) -> Chart {
     let row = model.results().iter().find(|row| row.name == judged.name);
     let symbol = row.map_or(judged.name, |row| row.symbol);
     let axis = Axis {
@@ -47,12 +53,7 @@ fn chart(rows: &[SetRow], judged: Judged, model: Model) -> Chart {
         unit: "",
         column: "error",
     };
-    let scene = scene_of(rows);
-    let title = if scene.is_empty() {
-        format!("Error of {symbol}")
-    } else {
-        format!("Error of {symbol}, {scene}")
-    };
+    let title = format!("Error of {symbol}{scene}");
     let mut chart = Chart::new(&title, COST, axis);
     chart.logarithmic = true;
     for row in rows {
@@ -118,18 +119,4 @@ fn front(rows: &[SetRow], judged: Judged) -> Curve {
         style: Style::Dashed,
         dots,
     }
-}
-
-/// What a scene is, besides its settings: the parameters that are the same in all of its rows.
-fn scene_of(rows: &[SetRow]) -> String {
-    let Some(first) = rows.first() else {
-        return String::new();
-    };
-    let same = |name: &&String| {
-        let value = first.parameters.get(*name);
-        rows.iter().all(|row| row.parameters.get(*name) == value)
-    };
-    let told = |name: &String| format!("{name} {}", parameter(first.parameters.get(name)));
-    let parts: Vec<String> = first.parameters.keys().filter(same).map(told).collect();
-    parts.join(", ")
 }

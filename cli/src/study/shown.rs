@@ -29,7 +29,7 @@ pub(super) fn table(rows: &[SetRow], model: Model) -> Table {
 }
 
 /// The parameters in which scenes differ: those that change from one reference to the next.
-fn scene(rows: &[SetRow]) -> Vec<String> {
+pub(super) fn scene(rows: &[SetRow]) -> Vec<String> {
     let is_reference = |row: &&SetRow| row.verdict.as_deref() == Some("reference");
     let references: Vec<&SetRow> = rows.iter().filter(is_reference).collect();
     let Some(first) = references.first() else {

@@ -89,12 +89,12 @@ impl Range {
     }
 }
 
-/// Powers of ten within the range of powers, and, where those are few, twice and five times them.
+/// Powers of ten within the range of powers, and, where those are few, round multiples of them.
 pub(super) fn powers(range: Range) -> Vec<f64> {
-    let factors: &[f64] = if range.high - range.low < 2.5 {
-        &[1.0, 2.0, 5.0]
-    } else {
-        &[1.0]
+    let factors: &[f64] = match range.high - range.low {
+        ..0.5 => &[1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0],
+        0.5..2.5 => &[1.0, 2.0, 5.0],
+        _ => &[1.0],
     };
     let decades = range.low.floor() as i32..=range.high.ceil() as i32;
     let marks = decades.flat_map(|power| factors.iter().map(move |f| f * 10f64.powi(power)));
@@ -112,6 +112,7 @@ mod tests {
         let range = |low, high| Range { low, high };
         assert_eq!(powers(range(-0.1, 1.4)), [1.0, 2.0, 5.0, 10.0, 20.0]);
         assert_eq!(powers(range(0.0, 3.0)), [1.0, 10.0, 100.0, 1000.0]);
+        assert_eq!(powers(range(0.05, 0.31)), [1.2, 1.5, 2.0]);
     }
 
     #[test]
