@@ -43,12 +43,13 @@ export function SetSection({ sets, model }: { sets: Page<SetRow>; model: Model |
 }
 
 function Table({ rows, model }: { rows: SetRow[]; model: Model | undefined }) {
-  const parameters = [...new Set(rows.flatMap((row) => Object.keys(row.parameters)))];
+  const studied = rows.some((row) => row.setting);
+  const all = [...new Set(rows.flatMap((row) => Object.keys(row.parameters)))];
+  const parameters = studied ? all.filter((name) => tellsScenes(rows, name)) : all;
   const names = [...new Set(rows.flatMap((row) => Object.keys(row.results)))];
   // An error stands beside its number.
   const means = names.filter((name) => !name.endsWith("_sem") && !name.endsWith("_error"));
   const fits = rows.some((row) => row.shape);
-  const studied = rows.some((row) => row.setting);
   const told = fits || rows.some((row) => row.processing);
   const results = inOrder(model, means).map((name) => resultQuantity(model, name));
   return (
@@ -92,6 +93,12 @@ function Table({ rows, model }: { rows: SetRow[]; model: Model | undefined }) {
       </table>
     </div>
   );
+}
+
+/** Whether a parameter tells scenes of a study apart; what settings differ in is told by their names. */
+function tellsScenes(rows: SetRow[], name: string): boolean {
+  const references = rows.filter((row) => row.verdict === "reference");
+  return new Set(references.map((row) => parameter(row.parameters[name]))).size > 1;
 }
 
 function Cell({ row, quantity }: { row: SetRow; quantity: Quantity }) {

@@ -37,16 +37,30 @@ function Known({ sweep, live }: { sweep: Sweep; live: Live }) {
     <>
       <Summary sweep={sweep} live={live} />
       {sweep.points.failed > 0 && <Failures sweep={sweep} model={model} version={live.version} />}
-      {sweep.model === "beam" && (
+      {sweep.model === "beam" && !isStudy(sweep) && !waits(sweep) && (
         <>
           <BeamSection sweep={sweep} model={model} version={live.version} />
           <CurveSection sweep={sweep} model={model} version={live.version} />
         </>
       )}
-      <Results sweep={sweep} model={model} version={live.version} />
-      <PointSection sweep={sweep} model={model} version={live.version} />
+      {!waits(sweep) && (
+        <>
+          <Results sweep={sweep} model={model} version={live.version} />
+          <PointSection sweep={sweep} model={model} version={live.version} />
+        </>
+      )}
     </>
   );
+}
+
+/** A study compares settings: its table of sets says it all. */
+function isStudy(sweep: Sweep): boolean {
+  return (sweep.spec as Record<string, unknown> | null | undefined)?.study !== undefined;
+}
+
+/** Without a choice of its pilot a sweep has no points yet. */
+function waits(sweep: Sweep): boolean {
+  return sweep.accuracy != null && sweep.accuracy.choice == null;
 }
 
 function Summary({ sweep, live }: { sweep: Sweep; live: Live }) {
@@ -107,7 +121,7 @@ function Results({ sweep, model, version }: { sweep: Sweep; model: Model | undef
           <p class="notice">This sweep reduces nothing: its results are its points.</p>
         ) : (
           <>
-            {sweep.model === "memory" && (
+            {sweep.model === "memory" && !isStudy(sweep) && (
               <PlotSection sets={page.items} model={model} fixed={fixedParameters(model, sweep)} />
             )}
             <SetSection sets={page} model={model} />
