@@ -119,8 +119,10 @@ impl<F: Fn(&SetRow) -> Cost> Compared<'_, F> {
         for judged in self.model.judged() {
             self.judge(*judged, &mut results);
         }
+        // Where a run was interrupted, what it took is not known; that of the other packings is.
         let mean = |part: fn(Cost) -> Option<f64>, rows: &[&SetRow]| {
-            mean(rows.iter().map(|row| part((self.cost)(row))))
+            let known = rows.iter().filter_map(|row| part((self.cost)(row)));
+            mean(known.map(Some))
         };
         let run = mean(|cost| cost.run, &self.own);
         let of_reference = mean(|cost| cost.run, &self.reference);

@@ -54,7 +54,8 @@ impl Store {
         plan: &SweepPlan,
         key_of: impl Fn(&Map<String, Value>) -> String,
     ) -> Result<HashMap<String, Cost>, StoreError> {
-        // Its own job, the two stages before it, and the zero waveform that it is compared with.
+        // Its own job, the two stages before it, and the zero waveform that it is compared with; of an ensemble's time
+        // each job has its share, and a second attempt may have gone on from a checkpoint, so its time says nothing.
         const ROWS: &str = "
             with behind (parameters, job) as (
                 select parameters, job from point where sweep = $1
@@ -67,7 +68,8 @@ impl Store {
                 select p.parameters, z.id from point p join job j on j.id = p.job join ensemble e on e.id = j.ensemble
                   join job z on z.hash = e.key join want w on w.job = z.id and w.sweep = p.sweep
                  where p.sweep = $1)
-            select behind.parameters, j.id, e.kind, o.provenance ->> 'cpu_s'
+            select behind.parameters, j.id, e.kind,
+                   case when j.attempts <= 1 then (o.provenance ->> 'cpu_s') / max(1.0, o.provenance ->> 'lanes') end
               from behind join job j on j.id = behind.job join ensemble e on e.id = j.ensemble
               left join outcome o on o.job = j.id";
         let rows = sqlx::query_as(ROWS).bind(plan.id);

@@ -76,7 +76,8 @@ impl Store {
     /// What all jobs that a sweep wants took \[core-seconds\].
     async fn core_seconds(&self, sweep: i64) -> Result<f64, StoreError> {
         const SUM: &str = "
-            select total(o.provenance ->> 'cpu_s') from want w join outcome o on o.job = w.job where w.sweep = $1";
+            select total((o.provenance ->> 'cpu_s') / max(1.0, o.provenance ->> 'lanes'))
+              from want w join outcome o on o.job = w.job where w.sweep = $1";
         Ok(sqlx::query_scalar(SUM)
             .bind(sweep)
             .fetch_one(self.readers())

@@ -141,7 +141,11 @@ impl Fresh {
     pub(crate) async fn outcomes(&self, jobs: &[LeasedJob]) -> Completion {
         let mut outcomes = vec![];
         for job in jobs {
-            outcomes.push(self.report(job, &outcome(&job.spec)).await);
+            let mut outcome = self.report(job, &outcome(&job.spec)).await;
+            // Each of them takes a second.
+            outcome.provenance.lanes = jobs.len() as u32;
+            outcome.provenance.cpu_s = jobs.len() as f64;
+            outcomes.push(outcome);
         }
         Completion { outcomes }
     }
