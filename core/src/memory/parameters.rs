@@ -35,18 +35,14 @@ pub const PRESETS: &[Preset] = &[
 ];
 
 /// The settings among which a sweep with `[accuracy]` may choose, cheapest first, and the reference that they are held
-/// against; all of them say the same parameters.
+/// against; all of them say the same parameters. They are few, since a pilot computes them all.
 pub const CHOICES: Choices = Choices {
     names: &["ramp", "drag", "time_step", "hold", "precision"],
     settings: &[
         &[Real(2_250.0), Real(0.01), Real(1.5), Real(0.2), Text("f32")],
-        &[Real(3_000.0), Real(0.01), Real(1.5), Real(0.2), Text("f32")],
         &[Real(4_500.0), Real(0.01), Real(1.5), Real(0.2), Text("f32")],
-        &[Real(6_000.0), Real(0.01), Real(1.5), Real(0.2), Text("f32")],
         &[Real(9_000.0), Real(0.01), Real(1.5), Real(0.2), Text("f32")],
-        &[Real(9_000.0), Real(0.0), Real(1.5), Real(0.2), Text("f32")],
         &[Real(18_000.0), Real(0.0), Real(1.5), Real(0.2), Text("f32")],
-        &[Real(18_000.0), Real(0.0), Real(1.0), Real(0.2), Text("f64")],
     ],
     reference: &[Real(18_000.0), Real(0.0), Real(1.0), Real(2.0), Text("f64")],
 };
