@@ -26,7 +26,7 @@ use drawing::Drawing;
 use crate::api_client::{ApiClient, ServerArgs};
 use crate::failure::Done;
 use crate::progress::duration;
-use crate::service::{Place, Service};
+use crate::service::{self, Place, Service};
 use crate::spec_file::SpecFile;
 use crate::table::Table;
 use crate::{log, output, run};
@@ -142,14 +142,8 @@ async fn draw(args: &Args, figure: &Figure) -> anyhow::Result<Done> {
         return write(&client, sweep, figure, &args.out).await;
     }
     log::to_stderr(tracing::Level::WARN);
-    let config = Config::new(&args.place.data);
-    let archive = args.place.archive.open();
-    let mut service = Service::open(config, archive, "granary figures").await?;
-    let done = draw_here(&mut service, args, figure, &spec).await;
-    let stopped = service.stop().await;
-    let done = done?;
-    stopped?;
-    Ok(done)
+    let work = async |service: &mut Service| draw_here(service, args, figure, &spec).await;
+    service::with(&args.place, "granary figures", work).await
 }
 
 async fn draw_here(

@@ -5,12 +5,11 @@ use std::path::PathBuf;
 use granary_api::id::SweepId;
 use granary_api::sweep::{Sweep, SweepState};
 use granary_api::table::{PointRow, SetRow};
-use granary_server::Config;
 use serde_json::json;
 
 use crate::api_client::ApiClient;
 use crate::failure::Done;
-use crate::service::{Place, Service, all_cores};
+use crate::service::{self, Place, Service, all_cores};
 use crate::spec_file::SpecFile;
 use crate::{interrupt, log, output, submit, table, watch};
 
@@ -37,14 +36,8 @@ pub(crate) struct Args {
 pub(crate) async fn run(args: Args) -> anyhow::Result<Done> {
     log::to_stderr(tracing::Level::WARN);
     let spec = SpecFile::read(&args.spec)?;
-    let config = Config::new(&args.place.data);
-    let archive = args.place.archive.open();
-    let mut service = Service::open(config, archive, "granary run").await?;
-    let done = whole(&mut service, &args, &spec).await;
-    let stopped = service.stop().await;
-    let done = done?;
-    stopped?;
-    Ok(done)
+    let work = async |service: &mut Service| whole(service, &args, &spec).await;
+    service::with(&args.place, "granary run", work).await
 }
 
 async fn whole(service: &mut Service, args: &Args, spec: &SpecFile) -> anyhow::Result<Done> {

@@ -87,6 +87,24 @@ pub(crate) struct Service {
     token: Option<String>,
 }
 
+/// Opens the data directory at `place`, lets `work` use it, and stops whatever runs around it, however that ended.
+///
+/// # Errors
+/// Those of `work` first, then those of opening and stopping.
+pub(crate) async fn with<T>(
+    place: &Place,
+    purpose: &str,
+    work: impl AsyncFnOnce(&mut Service) -> anyhow::Result<T>,
+) -> anyhow::Result<T> {
+    let config = Config::new(&place.data);
+    let mut service = Service::open(config, place.archive.open(), purpose).await?;
+    let done = work(&mut service).await;
+    let stopped = service.stop().await;
+    let done = done?;
+    stopped?;
+    Ok(done)
+}
+
 impl Service {
     /// Opens the data directory of `config`, to compute nothing that `archive` holds; `purpose` is told to whoever comes second.
     ///

@@ -10,12 +10,11 @@ use anyhow::Context;
 use granary_api::sweep::Sweep;
 use granary_api::table::SetRow;
 use granary_core::model::Model;
-use granary_server::Config;
 use serde_json::json;
 
 use crate::api_client::ApiClient;
 use crate::failure::Done;
-use crate::service::{Place, Service};
+use crate::service::{self, Place, Service};
 use crate::spec_file::SpecFile;
 use crate::{log, output, run, watch};
 
@@ -53,14 +52,8 @@ pub(crate) async fn run(args: Args) -> anyhow::Result<Done> {
     log::to_stderr(tracing::Level::WARN);
     let mut spec = SpecFile::read(&args.spec)?;
     asked::add(&mut spec.value, &args)?;
-    let config = Config::new(&args.place.data);
-    let archive = args.place.archive.open();
-    let mut service = Service::open(config, archive, "granary study").await?;
-    let done = whole(&mut service, &args, &spec).await;
-    let stopped = service.stop().await;
-    let done = done?;
-    stopped?;
-    Ok(done)
+    let work = async |service: &mut Service| whole(service, &args, &spec).await;
+    service::with(&args.place, "granary study", work).await
 }
 
 async fn whole(service: &mut Service, args: &Args, spec: &SpecFile) -> anyhow::Result<Done> {
