@@ -101,7 +101,7 @@ impl Model {
     #[must_use]
     pub fn rules(self) -> &'static [Rule] {
         match self {
-            Self::Memory => &[],
+            Self::Memory => memory::parameters::RULES,
             Self::Beam => beam::rules::RULES,
         }
     }

@@ -92,6 +92,15 @@ fn remedies_of_unstable_preparations_lead_to_a_pack() {
 }
 
 #[test]
+fn a_pack_that_cannot_rest_for_its_time_step_is_told_so_within_ten_thousand_steps() {
+    // Damping of 23 t_c, a hundred times the usual: a contact's critical step is 2 m/γ, a tenth of the preparation's.
+    let changes = json!({"normal_damping": 23.0});
+    let (step, most) = unstable(&prepared(&changes), "overdamped");
+    assert!(step <= 300 + 10_000, "{step}");
+    assert!(most < 1.0, "{most}");
+}
+
+#[test]
 fn an_interrupted_preparation_fails_as_if_it_had_not_been() {
     for (shape, seed) in [
         ("sphere", 1),

@@ -22,6 +22,9 @@ pub(super) const SERVO_SPEED: f64 = 0.01;
 /// How long the servo may take \[t_c\]: ten times what packs need (docs/choices.md §3).
 const SERVO_TIME: f64 = 250_000.0;
 
+/// How often the critical time step is measured under the servo \[steps\]: it costs about a hundred steps, a hundredth.
+const MEASURE_EVERY: u64 = 10_000;
+
 /// How close the servo must be to its pressure.
 const SETTLED: f64 = 0.01;
 
@@ -115,6 +118,7 @@ impl<'a, S: Shape> Preparation<'a, S> {
                     self.servo_steps = self.phase_step;
                     break;
                 }
+                self.measure()?;
                 self.give_up(&seen)?;
             }
             self.report(progress)?;
@@ -155,6 +159,17 @@ impl<'a, S: Shape> Preparation<'a, S> {
                 None => run::stopped(self.step(), stop),
             }),
         }
+    }
+
+    /// Every ten thousand steps under the servo: an unstable pack rests as little as one that is only slow, and is told at
+    /// once.
+    fn measure(&self) -> Result<(), StageFailure> {
+        if self.phase_step == 0 || !self.phase_step.is_multiple_of(MEASURE_EVERY) {
+            return Ok(());
+        }
+        let measured = critical_time_step(&self.scene, 0, Across::default());
+        let admitted = guard(CriticalTimeStep::NONE).admit(self.scene.laws.time_step, measured);
+        admitted.map_err(|stop| run::stopped(self.step(), stop))
     }
 
     fn moment(&self) -> Moment {
