@@ -24,7 +24,7 @@ const LOOK_EVERY: u64 = 4;
 const ASK_EVERY: usize = 25;
 /// The most steps.
 const MOST_STEPS: u64 = 20_000;
-/// Ramps shorter than this many decay times lose fidelity: 0.01 at 7, 0.3 at 4, 0.7 at 2, whatever the size of the pack
+/// Ramps shorter than this many decay times lose fidelity: 0.01 at 7, 0.3 at 4, 0.8 at 2, at 325 grains as at 1,024
 /// (docs/accuracy.md).
 const LEAST_DECAYS: f64 = 7.0;
 /// Fewer grains than this carry no wave.
