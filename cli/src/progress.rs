@@ -13,6 +13,8 @@ const LINES: u64 = 8;
 
 /// Shows how far a sweep is.
 pub(crate) struct Progress {
+    /// Stands before every line: what it is about, if that is not the sweep itself.
+    about: &'static str,
     bar: Option<ProgressBar>,
     started: Instant,
     done: f64,
@@ -21,7 +23,7 @@ pub(crate) struct Progress {
 
 impl Progress {
     /// A bar if standard error is a terminal, lines otherwise.
-    pub(crate) fn new() -> Self {
+    pub(crate) fn new(about: &'static str) -> Self {
         let bar = std::io::stderr().is_terminal().then(|| {
             let bar = ProgressBar::new(PARTS);
             let style = ProgressStyle::with_template("{bar:32} {percent:>3} %  {msg}");
@@ -29,6 +31,7 @@ impl Progress {
             bar
         });
         Self {
+            about,
             bar,
             started: Instant::now(),
             done: 0.0,
@@ -41,7 +44,7 @@ impl Progress {
         let elapsed = self.started.elapsed().as_secs_f64();
         self.done = self.done.max(part_done(sweep, elapsed));
         let done = self.done;
-        let message = message(sweep, sweep.eta_s);
+        let message = format!("{}{}", self.about, message(sweep, sweep.eta_s));
         if let Some(bar) = &self.bar {
             bar.set_position((done * PARTS as f64) as u64);
             bar.set_message(message);
@@ -57,7 +60,7 @@ impl Progress {
             bar.finish_and_clear();
         }
         let took = duration(self.started.elapsed().as_secs_f64());
-        eprintln!("{} in {took}", message(sweep, None));
+        eprintln!("{}{} in {took}", self.about, message(sweep, None));
     }
 }
 
@@ -72,15 +75,7 @@ fn part_done(sweep: &Sweep, elapsed: f64) -> f64 {
 
 fn message(sweep: &Sweep, remaining: Option<f64>) -> String {
     let points = sweep.points;
-    let of_pilot = if sweep.name.starts_with("pilot of ") {
-        "pilot: "
-    } else {
-        ""
-    };
-    let mut parts = vec![format!(
-        "{of_pilot}{}/{} points done",
-        points.done, points.total
-    )];
+    let mut parts = vec![format!("{}/{} points done", points.done, points.total)];
     parts.extend((points.failed > 0).then(|| format!("{} failed", points.failed)));
     parts.extend((points.cancelled > 0).then(|| format!("{} cancelled", points.cancelled)));
     parts.extend(remaining.map(|seconds| format!("{} left", duration(seconds))));

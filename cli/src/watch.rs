@@ -55,7 +55,7 @@ pub(crate) async fn until_interrupted(client: &ApiClient, sweep: SweepId) -> any
 pub(crate) async fn follow(client: &ApiClient, sweep: SweepId) -> anyhow::Result<Sweep> {
     let pilot = client.sweep(sweep).await?.accuracy;
     if let Some(accuracy) = pilot.filter(|accuracy| accuracy.choice.is_none()) {
-        let pilot = follow_to_end(client, accuracy.pilot).await?;
+        let pilot = follow_to_end(client, accuracy.pilot, "pilot: ").await?;
         if pilot.state == SweepState::Cancelled {
             bail!(
                 "its pilot was cancelled\n  go on with it: granary resume {}",
@@ -64,7 +64,7 @@ pub(crate) async fn follow(client: &ApiClient, sweep: SweepId) -> anyhow::Result
         }
         choice(client, sweep).await?;
     }
-    follow_to_end(client, sweep).await
+    follow_to_end(client, sweep, "").await
 }
 
 /// Tells what the pilot of `sweep` has chosen, once the server has looked.
@@ -89,8 +89,12 @@ async fn choice(client: &ApiClient, sweep: SweepId) -> anyhow::Result<()> {
     bail!("the pilot has ended, and the server has chosen no settings by it")
 }
 
-async fn follow_to_end(client: &ApiClient, sweep: SweepId) -> anyhow::Result<Sweep> {
-    let mut progress = Progress::new();
+async fn follow_to_end(
+    client: &ApiClient,
+    sweep: SweepId,
+    about: &'static str,
+) -> anyhow::Result<Sweep> {
+    let mut progress = Progress::new(about);
     let start = Instant::now();
     let mut heard = start;
     loop {

@@ -4,6 +4,8 @@
 //! combination of its other axes, each setting that the experiment offers, and the reference.
 //! What the spec writes is never chosen over.
 
+use std::collections::BTreeSet;
+
 use granary_api::sweep::Choice;
 use granary_api::table::SetRow;
 use granary_core::model::Model;
@@ -12,8 +14,8 @@ use serde_json::{Map, Value, json};
 
 use super::mistakes::{Mistakes, pointer, unknown};
 use super::section::Sections;
-use super::study::told;
-use super::{Axis, Limits, Plan, reduction::Reduction};
+use super::study::{self, told};
+use super::{Axis, Limits, Plan, SECTIONS, reduction::Reduction, rules};
 
 /// Packings of a pilot where nobody says: three degrees of freedom, so that a bound is 2.6 standard deviations.
 const PACKINGS: u64 = 4;
@@ -93,6 +95,10 @@ pub(crate) fn read(
         return None;
     }
     let spec = pilot(around, &free, packings);
+    offers(around, &spec["study"], mistakes);
+    if !mistakes.is_empty() {
+        return None;
+    }
     match Plan::read(&spec, around.limits) {
         Ok(pilot) => Some(Accuracy {
             targets,
@@ -108,6 +114,22 @@ pub(crate) fn read(
             }
             None
         }
+    }
+}
+
+/// Adds every rule that some point of the sweep, not of its pilot alone, would break in a setting that may be chosen.
+fn offers(around: &Around<'_>, study: &Value, mistakes: &mut Mistakes) {
+    let mut found = Mistakes::default();
+    let study = study::read(study, around.sections, around.grids, &mut found);
+    let settings = study.as_ref().map(|study| study.settings.as_slice());
+    rules::check(None, around.grids, around.sections, settings, &mut found);
+    // Settings differ in little, and so do their mistakes.
+    let told: BTreeSet<String> = found.into_list().into_iter().map(|m| m.detail).collect();
+    for detail in told {
+        mistakes.add(
+            "/accuracy",
+            format!("a setting that may be chosen breaks a rule: {detail}"),
+        );
     }
 }
 
@@ -173,14 +195,7 @@ fn pilot(around: &Around<'_>, free: &[&str], packings: u64) -> Value {
         .take(180)
         .collect();
     spec.insert("name".to_owned(), json!(format!("pilot of {name}")));
-    for field in [
-        "model",
-        "preset",
-        "priority",
-        "fixed",
-        "numerics",
-        "preparation",
-    ] {
+    for field in ["model", "preset", "priority"].into_iter().chain(SECTIONS) {
         if let Some(value) = around.spec.get(field) {
             spec.insert(field.to_owned(), value.clone());
         }
