@@ -4,7 +4,7 @@
 //! the small differences that carry a memory (docs/choices.md §4).
 //! Velocities and spins are those of the last half step.
 
-use crate::lanes::{Row, Scalar, prefetch};
+use crate::lanes::{Row, Scalar};
 use crate::math::{Quaternion, Vec3, plain};
 use crate::shape::Body;
 
@@ -259,19 +259,6 @@ impl<R: Row> Grains<R> {
             let motion = self.motion(i, from);
             self.set_offset(i, to, displacement, turn);
             self.set_motion(i, to, motion);
-        }
-    }
-
-    /// Asks for all that a contact needs of grain `i`, ahead of its use.
-    #[inline(always)]
-    pub(crate) fn prefetch(&self, i: usize, spins: bool, oriented: bool) {
-        prefetch(&self.displacement[i]);
-        prefetch(&self.velocity[i]);
-        if oriented {
-            prefetch(&self.turn[i]);
-        }
-        if spins {
-            prefetch(&self.spin[i]);
         }
     }
 

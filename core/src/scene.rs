@@ -3,7 +3,7 @@
 use crate::contact::{Components, TangentialLaw};
 use crate::force::{AffineRate, BodyForce};
 use crate::grains::{Grains, Size};
-use crate::lanes::{F32x8, F32x16, F64x1, F64x8, Row, Scalar, VectorWidth, dispatch};
+use crate::lanes::{F32x8, F32x16, F64x1, F64x8, Row, Scalar, VectorWidth};
 use crate::material::Material;
 use crate::neighbor::Key;
 use crate::shape::{Body, GradedSphere, Shape};
@@ -15,6 +15,7 @@ pub(crate) mod contacts;
 mod interact;
 mod lone;
 mod motion;
+mod motions;
 pub(crate) mod step;
 pub mod surroundings;
 pub(crate) mod survey;
@@ -120,7 +121,7 @@ macro_rules! side_by_side {
             type Work = step::Loads<Self>;
 
             fn step<P: Physics>(scene: &mut Scene<Self, P>) -> f64 {
-                dispatch::<Self, _>(scene.laws.width, step::Step { scene })
+                step::step(scene)
             }
         }
     )*};
@@ -338,3 +339,6 @@ fn leader(running: &[bool]) -> usize {
 pub fn history_components<T: TangentialLaw>() -> usize {
     T::History::<u8>::from_fn(|_| 0).as_slice().len()
 }
+
+#[cfg(test)]
+mod tests;

@@ -86,6 +86,16 @@ impl<R: Row> Walls<R> {
         self.velocity[w].lanes_mut()[k] = R::Scalar::from_f64(0.0);
     }
 
+    /// Makes the forces of the grains the sums of `pushes`, each with its wall's number, in their order.
+    pub(crate) fn bear<'a>(&mut self, pushes: impl Iterator<Item = &'a (u8, R)>) {
+        self.force = [[0.0; MAX_LANES]; WALLS];
+        for (wall, push) in pushes {
+            for (sum, &lane) in self.force[usize::from(*wall)].iter_mut().zip(push.lanes()) {
+                *sum += lane.to_f64();
+            }
+        }
+    }
+
     /// Mean pressure of replica `k` on the two walls normal to `axis` in the last step \[E\].
     #[must_use]
     pub fn pressure(&self, axis: usize, k: usize) -> f64 {

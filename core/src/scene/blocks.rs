@@ -11,12 +11,23 @@ use super::team::{self, LEAST_ROWS};
 /// Neighboring rows, and their candidates.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Block {
+    /// Its place among the blocks.
+    pub(super) number: usize,
     pub(super) rows: Range<usize>,
     pub(super) candidates: Range<usize>,
     /// Where the rows end that the block before reaches.
     pub(super) shared_end: usize,
     /// Where the rows end that this one reaches.
     pub(super) reached_end: usize,
+    /// Those of its rows that reach the next block, among all such.
+    pub(super) tails: Range<usize>,
+}
+
+/// Where the candidates of a row start that reach the next block: a row's candidates are sorted by what they reach.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Tail {
+    pub(super) row: u32,
+    pub(super) start: u32,
 }
 
 /// What goes with some neighboring blocks and can be divided between two threads where one of them ends.
@@ -31,6 +42,20 @@ pub(super) struct Counts {
     pub(super) blocks: usize,
     pub(super) rows: usize,
     pub(super) candidates: usize,
+}
+
+impl<A: Divide, B: Divide> Divide for (A, B) {
+    fn divide(self, counts: &Counts) -> (Self, Self) {
+        let ((a, other_a), (b, other_b)) = (self.0.divide(counts), self.1.divide(counts));
+        ((a, b), (other_a, other_b))
+    }
+}
+
+/// One for each block.
+impl<T: Send> Divide for &mut [T] {
+    fn divide(self, counts: &Counts) -> (Self, Self) {
+        self.split_at_mut(counts.blocks)
+    }
 }
 
 /// Does `work` on every block and what goes with it, side by side where the caller has a team.
@@ -70,11 +95,37 @@ pub(super) fn cut(
     }
     blocks.clear();
     blocks.push(Block {
+        number: 0,
         rows: 0..rows,
         candidates: 0..starts.last().map_or(0, |&end| end as usize),
         shared_end: 0,
         reached_end: rows,
+        tails: 0..0,
     });
+}
+
+/// Notes which rows of each block reach the next, given the row that each candidate reaches.
+pub(super) fn note_tails(
+    blocks: &mut [Block],
+    starts: &[u32],
+    reached: impl Fn(usize) -> usize,
+    tails: &mut Vec<Tail>,
+) {
+    tails.clear();
+    for block in blocks {
+        let before = tails.len();
+        for row in block.rows.clone() {
+            let mut start = starts[row + 1];
+            while start > starts[row] && reached(start as usize - 1) >= block.rows.end {
+                start -= 1;
+            }
+            if start < starts[row + 1] {
+                let row = row as u32;
+                tails.push(Tail { row, start });
+            }
+        }
+        block.tails = before..tails.len();
+    }
 }
 
 /// Cuts `count` blocks of about as many candidates each; `false` if one reaches beyond the next.
@@ -99,10 +150,12 @@ fn cut_into(
         let candidates = starts[first] as usize..starts[end] as usize;
         let reached_end = (farthest(candidates.clone()) + 1).max(end);
         blocks.push(Block {
+            number: n - 1,
             rows: first..end,
             candidates,
             shared_end,
             reached_end,
+            tails: 0..0,
         });
         (first, shared_end) = (end, reached_end);
     }
@@ -131,6 +184,20 @@ mod tests {
         let shared: Vec<_> = blocks.iter().map(|block| block.shared_end).collect();
         assert_eq!(shared, [0, 340, 673]);
         assert_eq!(blocks[2].reached_end, 1000);
+    }
+
+    #[test]
+    fn tails_are_the_candidates_that_reach_the_next_block() {
+        // Rows of two candidates each, one and four rows on.
+        let starts: Vec<u32> = (0..=1000).map(|row| 2 * row).collect();
+        let reached = |c: usize| (c / 2 + if c.is_multiple_of(2) { 1 } else { 4 }).min(999);
+        let farthest = |range: Range<usize>| range.map(reached).max().unwrap_or(0);
+        let (mut blocks, mut tails) = (vec![], vec![]);
+        assert!(cut_into(2, &starts, farthest, &mut blocks));
+        note_tails(&mut blocks, &starts, reached, &mut tails);
+        let found: Vec<_> = tails.iter().map(|tail| (tail.row, tail.start)).collect();
+        assert_eq!(found, [(496, 993), (497, 995), (498, 997), (499, 998)]);
+        assert_eq!((&blocks[0].tails, &blocks[1].tails), (&(0..4), &(4..4)));
     }
 
     #[test]

@@ -10,7 +10,7 @@ use crate::math::plain;
 use crate::neighbor::{CellGrid, Key, Rows, Spheres};
 use crate::wall::{WALLS, Walls, axis, inward};
 
-use super::blocks::{self, Block};
+use super::blocks::{self, Block, Tail};
 
 /// A pair of spheres that may touch; its grain `i` is the row that it stands in.
 #[derive(Clone, Copy, Debug)]
@@ -57,6 +57,8 @@ pub(crate) struct Contacts<R: Row, T: TangentialLaw> {
     pub(crate) starts: Vec<u32>,
     /// All rows, for the threads of a step.
     pub(super) blocks: Vec<Block>,
+    /// The rows of all blocks that reach the next one.
+    pub(super) tails: Vec<Tail>,
     pub(crate) candidates: Vec<Candidate<R::Scalar>>,
     /// Of every candidate, whether any replica touched in the last step, so that there is a history to forget.
     pub(crate) live: Vec<bool>,
@@ -109,6 +111,7 @@ impl<R: Row, T: TangentialLaw> Contacts<R, T> {
         Self {
             starts: vec![],
             blocks: vec![],
+            tails: vec![],
             candidates: vec![],
             live: vec![],
             histories: vec![],
@@ -270,6 +273,8 @@ impl<R: Row, T: TangentialLaw> Contacts<R, T> {
             others.max().unwrap_or(0) as usize
         };
         blocks::cut(&self.starts, farthest, &mut self.blocks);
+        let reached = |c: usize| candidates[c].j as usize;
+        blocks::note_tails(&mut self.blocks, &self.starts, reached, &mut self.tails);
     }
 
     fn find_wall_candidates(&mut self, grains: &Grains<R>, walls: &Walls<R>) {

@@ -14,16 +14,19 @@ use crate::force::AffineRate;
 use crate::grains::{Grains, Pose, Size};
 use crate::lanes::{F64x1, F64x8, Kernel, Lane, Mask, dispatch};
 use crate::math::Vec3;
-use crate::wall::{MAX_LANES, WALLS, Walls};
+use crate::wall::Walls;
 
-use eight::{Eight, MotionsMut};
+use eight::Eight;
 pub(super) use records::Records;
 use records::{Adding, Ball, Blank, Read, Sums, records};
 
 use super::blocks::{self, Counts, Divide};
 use super::contacts::{Candidate, Contacts};
 use super::interact::{Constants, branch, geometry, interact};
-use super::motion::{Fastest, Load, MotionConstants, RowGrain, advance, farther, push_of_wall};
+use super::motion::{
+    Fastest, Load, MotionConstants, Moving, RowGrain, advance, farther, push_of_wall,
+};
+use super::motions::MotionsMut;
 use super::surroundings::{OnGrains, Surroundings};
 use super::{Laws, Physics, Scene, team};
 
@@ -62,9 +65,8 @@ pub(super) fn step<P: Physics>(scene: &mut Scene<F64x1, P>) -> f64 {
     } else {
         grains_act();
     }
-    work.settle(&contacts.blocks);
-    let motion = MotionConstants::<F64x1>::new(laws);
-    push_of_walls::<P>(&motion, grains, contacts, walls, &mut work.loads);
+    settle_and_push(laws, grains, walls, contacts, work);
+    walls.bear(work.pushes());
     surroundings.push_grains(&mut OnGrains(&mut work.loads));
     let swept = move_grains(laws, grains, (walls, affine), contacts, work);
     farther(swept, surroundings.advance(time_step))
@@ -177,6 +179,86 @@ impl<P: Physics> Kernel<F64x8> for Pairs<'_, P> {
     }
 }
 
+/// Adds what blocks have kept apart, and the forces of the walls.
+fn settle_and_push<P: Physics>(
+    laws: &Laws<P>,
+    grains: &Grains<F64x1>,
+    walls: &Walls<F64x1>,
+    contacts: &Contacts<F64x1, P::Tangential>,
+    work: &mut Records,
+) {
+    let (kept, settling) = work.unsettled(contacts.blocks.len());
+    blocks::each(&contacts.blocks, settling, &|block, mut settling| {
+        settling.settle(block, kept);
+        if let [pushes] = settling.pushes {
+            pushes.clear();
+            if contacts.wall_candidates.is_empty() {
+                return;
+            }
+            let pushed = Pushed {
+                laws,
+                grains,
+                walls,
+                contacts,
+                first: block.rows.start,
+                loads: settling.loads,
+                pushes,
+            };
+            dispatch::<F64x1, _>(laws.width, pushed);
+        }
+    });
+}
+
+/// Adds the forces of the walls on the grains of a block.
+struct Pushed<'a, P: Physics> {
+    laws: &'a Laws<P>,
+    grains: &'a Grains<F64x1>,
+    walls: &'a Walls<F64x1>,
+    contacts: &'a Contacts<F64x1, P::Tangential>,
+    first: usize,
+    loads: &'a mut [F64x8],
+    pushes: &'a mut Vec<(u8, F64x1)>,
+}
+
+impl<P: Physics> Kernel<F64x1> for Pushed<'_, P> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lane<Row = F64x1, Scalar = f64>>(self) {
+        let Self {
+            walls,
+            contacts,
+            pushes,
+            ..
+        } = self;
+        let motion = MotionConstants::<L>::new(self.laws);
+        let (fixed, motions) = self.grains.read();
+        let starts = &contacts.wall_starts[self.first..];
+        for (n, sum) in self.loads.iter_mut().enumerate() {
+            let candidates = starts[n] as usize..starts[n + 1] as usize;
+            if candidates.is_empty() {
+                continue;
+            }
+            let i = self.first + n;
+            let at = RowGrain::<L>::load::<P>(&fixed, &Moving::load::<P>(&motions, i), i);
+            let [force, torque] = sum.halves().map(|&[x, y, z, _]| Vec3 {
+                x: L::splat(x),
+                y: L::splat(y),
+                z: L::splat(z),
+            });
+            let mut load = Load { force, torque };
+            for candidate in &contacts.wall_candidates[candidates] {
+                push_of_wall::<L, P>(&motion, &at, candidate, walls, pushes, &mut load);
+            }
+            let mut sums = [Vec3::<F64x1>::default(); 2];
+            load.force.store(&mut sums[0]);
+            load.torque.store(&mut sums[1]);
+            let sums = sums.map(|v| [v.x.0[0], v.y.0[0], v.z.0[0], 0.0]);
+            sum.0.copy_from_slice(sums.as_flattened());
+        }
+    }
+}
+
 /// Moves all grains; returns how far any of them, or a wall, can have moved.
 fn move_grains<P: Physics>(
     laws: &Laws<P>,
@@ -186,56 +268,24 @@ fn move_grains<P: Physics>(
     work: &mut Records,
 ) -> f64 {
     let (loads, swept) = work.loads_and_swept(contacts.blocks.len());
-    let Grains {
-        displacement,
-        velocity,
-        turn,
-        spin,
-        reference,
-        sizes,
-        ..
-    } = grains;
-    let motions = MotionsMut {
-        displacement,
-        velocity,
-        turn,
-        spin,
-    };
-    let moving = MovingBlocks { motions, swept };
-    blocks::each(&contacts.blocks, moving, &|block, moving| {
+    let (fixed, motions) = grains.parts();
+    let moving = (motions, &mut swept[..]);
+    blocks::each(&contacts.blocks, moving, &|block, (motions, swept)| {
         let rows = block.rows.clone();
         let moved = Moved {
             laws,
             walls,
             affine,
-            reference: &reference[rows.clone()],
-            sizes: sizes.get(rows.clone()).unwrap_or_default(),
-            motions: moving.motions,
+            reference: &fixed.reference[rows.clone()],
+            sizes: fixed.sizes.get(rows.clone()).unwrap_or_default(),
+            motions,
             loads: &loads[rows],
         };
-        if let [swept] = moving.swept {
+        if let [swept] = swept {
             *swept = dispatch::<F64x8, _>(laws.width, moved);
         }
     });
     swept.iter().copied().fold(0.0, farther)
-}
-
-/// The grains of some neighboring blocks, and how far those of each have moved.
-struct MovingBlocks<'a> {
-    motions: MotionsMut<'a>,
-    swept: &'a mut [f64],
-}
-
-impl Divide for MovingBlocks<'_> {
-    fn divide(self, counts: &Counts) -> (Self, Self) {
-        let (motions, other_motions) = self.motions.divide(counts);
-        let (swept, other_swept) = self.swept.split_at_mut(counts.blocks);
-        let other = Self {
-            motions: other_motions,
-            swept: other_swept,
-        };
-        (Self { motions, swept }, other)
-    }
 }
 
 /// Moves the grains of a block; returns how far any of them, or a wall, can have moved.
@@ -245,7 +295,7 @@ struct Moved<'a, P: Physics> {
     affine: &'a AffineRate<F64x1>,
     reference: &'a [Pose],
     sizes: &'a [Size],
-    motions: MotionsMut<'a>,
+    motions: MotionsMut<'a, F64x1>,
     loads: &'a [F64x8],
 }
 
@@ -435,39 +485,6 @@ fn remember<W: Lane<Row = F64x8, Scalar = f64>, T: TangentialLaw>(
         for (to, from) in history.as_mut_slice().iter_mut().zip(triple) {
             *to = F64x1([from]);
         }
-    }
-}
-
-/// Adds the forces of the walls.
-#[inline(always)]
-fn push_of_walls<P: Physics>(
-    motion: &MotionConstants<F64x1>,
-    grains: &Grains<F64x1>,
-    contacts: &Contacts<F64x1, P::Tangential>,
-    walls: &mut Walls<F64x1>,
-    loads: &mut [F64x8],
-) {
-    walls.force = [[0.0; MAX_LANES]; WALLS];
-    if contacts.wall_candidates.is_empty() {
-        return;
-    }
-    for (i, sum) in loads.iter_mut().enumerate() {
-        let candidates = contacts.wall_starts[i] as usize..contacts.wall_starts[i + 1] as usize;
-        if candidates.is_empty() {
-            continue;
-        }
-        let at = RowGrain::<F64x1>::load::<P>(grains, i);
-        let [force, torque] = sum.halves().map(|&[x, y, z, _]| Vec3 {
-            x: F64x1([x]),
-            y: F64x1([y]),
-            z: F64x1([z]),
-        });
-        let mut load = Load { force, torque };
-        for candidate in &contacts.wall_candidates[candidates] {
-            push_of_wall::<F64x1, P>(motion, &at, candidate, walls, &mut load);
-        }
-        let sums = [load.force, load.torque].map(|v| [v.x.0[0], v.y.0[0], v.z.0[0], 0.0]);
-        sum.0.copy_from_slice(sums.as_flattened());
     }
 }
 

@@ -2,10 +2,11 @@
 
 use crate::contact::hertz;
 use crate::force::{AffineRate, BodyForce};
-use crate::grains::{Grains, Size};
+use crate::grains::Size;
 use crate::lanes::{Lane, Mask, Row, Scalar};
 use crate::math::{Quaternion, Vec3};
 use crate::scene::contacts::WallCandidate;
+use crate::scene::motions::{Fixed, Motions, MotionsMut};
 use crate::scene::{Laws, Physics};
 use crate::shape::Shape;
 use crate::wall::{Walls, axis, inward};
@@ -63,7 +64,7 @@ pub(super) struct Moving<L> {
 
 impl<L: Lane> Moving<L> {
     #[inline(always)]
-    pub(super) fn load<P: Physics>(grains: &Grains<L::Row>, i: usize) -> Self {
+    pub(super) fn load<P: Physics>(grains: &Motions<'_, L::Row>, i: usize) -> Self {
         Self {
             displacement: grains.displacement[i].load(),
             velocity: grains.velocity[i].load(),
@@ -84,7 +85,7 @@ impl<L: Lane> Moving<L> {
     }
 
     #[inline(always)]
-    pub(super) fn store<P: Physics>(self, grains: &mut Grains<L::Row>, i: usize) {
+    pub(super) fn store<P: Physics>(self, grains: &mut MotionsMut<'_, L::Row>, i: usize) {
         self.displacement.store(&mut grains.displacement[i]);
         self.velocity.store(&mut grains.velocity[i]);
         if P::ORIENTED {
@@ -124,9 +125,9 @@ pub(super) struct RowGrain<L> {
 
 /// Radius and inverse mass of grain `i`; 1 and nothing where all are alike.
 #[inline(always)]
-pub(super) fn size<L: Lane, P: Physics>(grains: &Grains<L::Row>, i: usize) -> (L, L) {
+pub(super) fn size<L: Lane, P: Physics>(sizes: &[Size], i: usize) -> (L, L) {
     if P::GRADED {
-        let size = grains.sizes[i];
+        let size = sizes[i];
         (L::constant(size.radius), L::constant(size.inverse_mass))
     } else {
         (L::constant(1.0), L::constant(0.0))
@@ -135,9 +136,12 @@ pub(super) fn size<L: Lane, P: Physics>(grains: &Grains<L::Row>, i: usize) -> (L
 
 impl<L: Lane> RowGrain<L> {
     #[inline(always)]
-    pub(super) fn load<P: Physics>(grains: &Grains<L::Row>, i: usize) -> Self {
-        let moving = Moving::<L>::load::<P>(grains, i);
-        let (radius, inverse_mass) = size::<L, P>(grains, i);
+    pub(super) fn load<P: Physics>(
+        fixed: &Fixed<'_, L::Row>,
+        moving: &Moving<L>,
+        i: usize,
+    ) -> Self {
+        let (radius, inverse_mass) = size::<L, P>(fixed.sizes, i);
         let mut at = Self {
             velocity: moving.velocity,
             spin: moving.spin,
@@ -148,7 +152,7 @@ impl<L: Lane> RowGrain<L> {
         };
         if P::ORIENTED {
             for a in 0..P::Shape::SPHERES {
-                let arm = Vec3::broadcast(grains.lane_arms[P::Shape::SPHERES * i + a]);
+                let arm = Vec3::broadcast(fixed.lane_arms[P::Shape::SPHERES * i + a]);
                 (at.shifted[a], at.arms[a]) = moving.sphere::<P>(arm);
             }
         }
@@ -164,13 +168,25 @@ pub(super) struct Load<L> {
     pub(super) torque: Vec3<L>,
 }
 
-/// The force of a wall on one sphere.
+impl<L: Lane> Load<L> {
+    /// Nothing.
+    #[inline(always)]
+    pub(super) fn none() -> Self {
+        Self {
+            force: Vec3::zero(),
+            torque: Vec3::zero(),
+        }
+    }
+}
+
+/// The force of a wall on one sphere, noted in `pushes` if there is any.
 #[inline(always)]
 pub(super) fn push_of_wall<L: Lane, P: Physics>(
     constants: &MotionConstants<L>,
     at: &RowGrain<L>,
     candidate: &WallCandidate<L::Scalar>,
-    walls: &mut Walls<L::Row>,
+    walls: &Walls<L::Row>,
+    pushes: &mut Vec<(u8, L::Row)>,
     load: &mut Load<L>,
 ) {
     let (w, a) = (usize::from(candidate.wall), usize::from(candidate.a));
@@ -197,9 +213,7 @@ pub(super) fn push_of_wall<L: Lane, P: Physics>(
     .keep(touching);
     let mut row = L::Row::default();
     force.store(&mut row);
-    for (sum, &lane) in walls.force[w].iter_mut().zip(row.lanes()) {
-        *sum += lane.to_f64();
-    }
+    pushes.push((candidate.wall, row));
     let mut push = Vec3::zero();
     *component_mut(&mut push, axis(w)) = inward * force;
     load.force = load.force + push;

@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// Rows that are worth a thread.
 pub(super) const LEAST_ROWS: usize = 256;
 
-/// Says, however a job ends, that it has ended.
+/// Says, however something ends, that it has ended.
 struct Ended<'a>(&'a AtomicBool);
 
 impl Drop for Ended<'_> {
@@ -37,9 +37,7 @@ pub(crate) fn helped<R>(grains: usize, work: impl FnOnce() -> R) -> R {
         scope.spawn_broadcast(|_, thread| {
             // The caller itself would wait for its own end.
             while Some(thread.index()) != caller && !ended.load(Ordering::Acquire) {
-                if rayon::yield_now() != Some(rayon::Yield::Executed) {
-                    std::hint::spin_loop();
-                }
+                look_for_work();
             }
         });
         let _ended = Ended(&ended);
@@ -47,14 +45,41 @@ pub(crate) fn helped<R>(grains: usize, work: impl FnOnce() -> R) -> R {
     })
 }
 
+/// Does what some other thread of the team shares out, if there is any.
+fn look_for_work() {
+    if rayon::yield_now() != Some(rayon::Yield::Executed) {
+        std::hint::spin_loop();
+    }
+}
+
 /// Does both, side by side where the caller's pool has more threads.
 pub(super) fn both(first: impl FnOnce() + Send, second: impl FnOnce() + Send) {
     if size() > 1 {
-        rayon::join(first, second);
+        join(first, second);
     } else {
         first();
         second();
     }
+}
+
+/// The same by another thread of the pool, if one takes it: who is done first then stays awake, as waking takes longer than
+/// most of what is shared out.
+fn join(first: impl FnOnce() + Send, second: impl FnOnce() + Send) {
+    let (taken, done) = (AtomicBool::new(false), AtomicBool::new(false));
+    rayon::join(
+        || {
+            first();
+            while taken.load(Ordering::Acquire) && !done.load(Ordering::Acquire) {
+                look_for_work();
+            }
+        },
+        || {
+            taken.store(true, Ordering::Release);
+            // Set even if `second` panics, so that nobody waits for ever.
+            let _done = Ended(&done);
+            second();
+        },
+    );
 }
 
 /// Does `work` on every part, side by side where the caller's pool has more threads.
@@ -68,7 +93,7 @@ pub(super) fn each<T: Send>(parts: &mut [T], work: &(impl Fn(&mut T) + Sync)) {
         [part] => work(part),
         _ => {
             let (first, second) = parts.split_at_mut(parts.len() / 2);
-            rayon::join(|| each(first, work), || each(second, work));
+            join(|| each(first, work), || each(second, work));
         }
     }
 }

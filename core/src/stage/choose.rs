@@ -148,10 +148,8 @@ fn recalled(ensemble: &Ensemble<'_>, width: VectorWidth, progress: &mut Progress
         input: &state,
         checkpoints: ensemble.checkpoints,
     };
-    let alone = specs.len() == 1 && specs[0].precision == Precision::F64;
-    let shared_out = if alone { grains(&state.past) } else { 0 };
     let job = Job::Recall(&recalls);
-    helped(shared_out, || {
+    helped(grains(&state.past), || {
         shaped(&job, &state.past, &train, width, progress)
     })
 }

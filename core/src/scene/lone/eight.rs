@@ -1,77 +1,12 @@
 //! Grains eight at a time: one to a lane.
 
-use crate::grains::Grains;
 use crate::lanes::{F64x1, F64x8, Lane};
 use crate::math::{Quaternion, Vec3};
 use crate::scene::Physics;
-use crate::scene::blocks::{Counts, Divide};
 use crate::scene::motion::Moving;
+use crate::scene::motions::{Motions, MotionsMut};
 
 use super::WIDE;
-
-/// How some neighboring grains depart from their reference and move; nothing of a kind that there is none of.
-#[derive(Clone, Copy)]
-pub(super) struct Motions<'a> {
-    displacement: &'a [Vec3<F64x1>],
-    velocity: &'a [Vec3<F64x1>],
-    turn: &'a [Quaternion<F64x1>],
-    spin: &'a [Vec3<F64x1>],
-}
-
-impl<'a> Motions<'a> {
-    /// Of all grains.
-    #[inline(always)]
-    pub(super) fn of(grains: &'a Grains<F64x1>) -> Self {
-        Self {
-            displacement: &grains.displacement,
-            velocity: &grains.velocity,
-            turn: &grains.turn,
-            spin: &grains.spin,
-        }
-    }
-}
-
-/// The same, to be changed.
-pub(super) struct MotionsMut<'a> {
-    pub(super) displacement: &'a mut [Vec3<F64x1>],
-    pub(super) velocity: &'a mut [Vec3<F64x1>],
-    pub(super) turn: &'a mut [Quaternion<F64x1>],
-    pub(super) spin: &'a mut [Vec3<F64x1>],
-}
-
-impl MotionsMut<'_> {
-    #[inline(always)]
-    pub(super) fn read(&self) -> Motions<'_> {
-        Motions {
-            displacement: self.displacement,
-            velocity: self.velocity,
-            turn: self.turn,
-            spin: self.spin,
-        }
-    }
-}
-
-impl Divide for MotionsMut<'_> {
-    fn divide(self, counts: &Counts) -> (Self, Self) {
-        let (displacement, other_displacement) = self.displacement.split_at_mut(counts.rows);
-        let (velocity, other_velocity) = self.velocity.split_at_mut(counts.rows);
-        let (turn, other_turn) = self.turn.split_at_mut(counts.rows.min(self.turn.len()));
-        let (spin, other_spin) = self.spin.split_at_mut(counts.rows.min(self.spin.len()));
-        let own = Self {
-            displacement,
-            velocity,
-            turn,
-            spin,
-        };
-        let other = Self {
-            displacement: other_displacement,
-            velocity: other_velocity,
-            turn: other_turn,
-            spin: other_spin,
-        };
-        (own, other)
-    }
-}
 
 /// Up to eight grains in a row, one to a lane; lanes beyond the last grain repeat it.
 #[derive(Clone, Copy)]
@@ -135,7 +70,7 @@ impl Eight {
     #[inline(always)]
     pub(super) fn load<W: Lane<Row = F64x8, Scalar = f64>, P: Physics>(
         self,
-        motions: &Motions<'_>,
+        motions: &Motions<'_, F64x1>,
     ) -> Moving<W> {
         let mut moving = Moving {
             displacement: self.vectors(motions.displacement),
@@ -164,7 +99,7 @@ impl Eight {
     pub(super) fn store<W: Lane<Row = F64x8, Scalar = f64>, P: Physics>(
         self,
         moving: Moving<W>,
-        motions: &mut MotionsMut<'_>,
+        motions: &mut MotionsMut<'_, F64x1>,
     ) {
         let range = self.first..self.first + self.count;
         put(

@@ -10,7 +10,7 @@ use crate::scene::{Physics, Work};
 use crate::shape::Shape;
 
 use super::WIDE;
-use super::eight::{Eight, Motions};
+use super::eight::Eight;
 use crate::scene::blocks::{Block, Counts, Divide};
 
 /// The state of the running step, remade in every step.
@@ -26,6 +26,8 @@ pub struct Records {
     pub(super) loads: Vec<F64x8>,
     /// Of every block: what it does to grains that it shares.
     kept: Vec<Kept>,
+    /// Of every block: the forces of its grains on walls, in order.
+    pushes: Vec<Vec<(u8, F64x1)>>,
     /// Of every block: how far its grains have moved.
     swept: Vec<f64>,
 }
@@ -202,6 +204,7 @@ impl Work<F64x1> for Records {
             motions: vec![F64x8::default(); n],
             loads: vec![F64x8::default(); n],
             kept: vec![],
+            pushes: vec![],
             swept: vec![],
         }
     }
@@ -241,14 +244,47 @@ impl Records {
         (&self.loads, &mut self.swept)
     }
 
-    /// Adds up what `blocks` have kept.
-    pub(super) fn settle(&mut self, blocks: &[Block]) {
-        for (two, kept) in blocks.windows(2).zip(self.kept.windows(2)) {
-            let (first, reached) = (two[1].rows.start, &kept[0].beyond);
-            self.loads[first..first + reached.len()].copy_from_slice(reached);
-            for (grain, load) in &kept[1].later {
-                add_to(&mut self.loads[*grain as usize], load);
-            }
+    /// What `count` blocks have kept, the sums that it is added to, and where the forces on walls are noted.
+    pub(super) fn unsettled(&mut self, count: usize) -> (&[Kept], Settling<'_>) {
+        self.pushes.resize_with(count, Vec::new);
+        let settling = Settling {
+            loads: &mut self.loads,
+            pushes: &mut self.pushes,
+        };
+        (&self.kept, settling)
+    }
+
+    /// The forces on walls that were noted, in order.
+    pub(super) fn pushes(&self) -> impl Iterator<Item = &(u8, F64x1)> {
+        self.pushes.iter().flatten()
+    }
+}
+
+/// The sums on the grains of some neighboring blocks, and their forces on walls.
+pub(super) struct Settling<'a> {
+    pub(super) loads: &'a mut [F64x8],
+    pub(super) pushes: &'a mut [Vec<(u8, F64x1)>],
+}
+
+impl Divide for Settling<'_> {
+    fn divide(self, counts: &Counts) -> (Self, Self) {
+        let (loads, other_loads) = self.loads.split_at_mut(counts.rows);
+        let (pushes, other_pushes) = self.pushes.split_at_mut(counts.blocks);
+        let settling = |loads, pushes| Settling { loads, pushes };
+        (settling(loads, pushes), settling(other_loads, other_pushes))
+    }
+}
+
+impl Settling<'_> {
+    /// Adds up what was kept apart of the sums of `block`, which is all that is left.
+    pub(super) fn settle(&mut self, block: &Block, kept: &[Kept]) {
+        let Some(before) = block.number.checked_sub(1) else {
+            return;
+        };
+        let reached = &kept[before].beyond;
+        self.loads[..reached.len()].copy_from_slice(reached);
+        for (grain, load) in &kept[block.number].later {
+            add_to(&mut self.loads[*grain as usize - block.rows.start], load);
         }
     }
 }
@@ -265,7 +301,7 @@ impl Blank<'_> {
         let end = first_row + self.motions.len();
         for first in (first_row..end).step_by(WIDE) {
             let eight = Eight::from(first, end);
-            let moving = eight.load::<W, P>(&Motions::of(grains));
+            let moving = eight.load::<W, P>(&grains.read().1);
             let zero = W::constant(0.0);
             let (mut radius, mut inverse_mass) = (zero, zero);
             if P::GRADED {
