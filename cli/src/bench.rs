@@ -9,6 +9,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context, bail};
 use granary_core::bench::{PackFile, Settings, Size, bench};
+use granary_core::crew::Crew;
 use granary_core::lanes::VectorWidth;
 use granary_core::memory::spec::{MemoryPoint, Precision, ShapeName};
 use granary_core::memory::state::PackState;
@@ -22,8 +23,6 @@ use lammps::Lammps;
 
 /// Steps before the clock starts: the list is built and the caches are warm.
 const WARM_UP: u64 = 50;
-/// Steps between two looks at the clock.
-const CHUNK: u64 = 20;
 
 /// Time the engine on a packing at rest.
 #[derive(Debug, clap::Args)]
@@ -49,7 +48,7 @@ pub(crate) struct Args {
     /// Scenes stepped at once, each on a thread of its own.
     #[arg(long, value_name = "T", default_value_t = 1)]
     threads: usize,
-    /// Threads that share the steps of each scene; only of one lane.
+    /// Threads that share the steps of each scene.
     #[arg(long, value_name = "T", default_value_t = 1, conflicts_with = "beside")]
     team: usize,
     /// Time step \[t_c\].
@@ -265,25 +264,25 @@ fn time_all(job: &Job, threads: usize, team: usize) -> anyhow::Result<Vec<Timed>
 }
 
 fn time(job: &Job, team: usize, start: &Barrier) -> Option<Timed> {
-    let team = machine::team(team);
     let scene = bench(&job.pack, &job.settings);
     start.wait();
     let mut scene = scene?;
-    scene.run(WARM_UP);
+    let crew = Crew::new(team, machine::thread_cpu_time);
+    let mut warm_up = 0..WARM_UP;
+    crew.work(|| scene.run(&mut || warm_up.next().is_some()));
     let (wall, cpu) = (Instant::now(), machine::thread_cpu_time());
     let mut steps = 0;
-    while wall.elapsed() < job.limit || steps == 0 {
-        scene.run(CHUNK);
-        steps += CHUNK;
-    }
-    if let Some(team) = &team {
-        machine::charge_help(team);
-    }
+    let mut in_time = || {
+        let more = steps == 0 || wall.elapsed() < job.limit;
+        steps += u64::from(more);
+        more
+    };
+    let ((), help) = crew.work(|| scene.run(&mut in_time));
     Some(Timed {
         size: scene.size(),
         steps,
         wall: wall.elapsed(),
-        cpu: machine::thread_cpu_time().saturating_sub(cpu),
+        cpu: machine::thread_cpu_time().saturating_sub(cpu) + help,
     })
 }
 

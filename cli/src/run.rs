@@ -13,10 +13,6 @@ use crate::service::{self, Place, Service, all_cores};
 use crate::spec_file::SpecFile;
 use crate::{interrupt, log, output, submit, table, watch};
 
-/// A single point that takes longer is computed by all threads together \[s\]; what is shorter has few grains, which gain
-/// little, and less than nothing where the machine is busy.
-const LONG: f64 = 60.0;
-
 /// Compute a sweep on this machine and print its table.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
@@ -65,14 +61,7 @@ pub(crate) async fn compute(
         client.steer(sweep, "resume").await?;
     }
     service.stay_alone().await?;
-    let threads = threads.unwrap_or_else(all_cores);
-    let alone = submitted.points == submitted.points_done + 1;
-    if alone && submitted.predicted.core_seconds > LONG {
-        // Nothing else could use the other threads meanwhile.
-        service.work_by(1, threads);
-    } else {
-        service.work(threads);
-    }
+    service.work(threads.unwrap_or_else(all_cores));
     tokio::select! {
         finished = watch::follow(client, sweep) => finished.map(Some),
         ended = service.watch() => {

@@ -169,13 +169,8 @@ impl Service {
         Ok(())
     }
 
-    /// Adds `slots` engine threads, each with its own lease.
+    /// Adds `slots` engine threads, each with its own lease; those without work help the others.
     pub(crate) fn work(&mut self, slots: usize) {
-        self.work_by(slots, 1);
-    }
-
-    /// The same with several threads for each lease.
-    pub(crate) fn work_by(&mut self, slots: usize, threads_per_job: usize) {
         if slots == 0 {
             return;
         }
@@ -187,7 +182,7 @@ impl Service {
             ..usual
         };
         let client = DirectLeaseClient::new(self.store.clone());
-        let engine = core_engine(threads_per_job);
+        let engine = core_engine(slots);
         let run = lease_loop::run(client, engine, config, self.shutdown.clone());
         self.tasks.spawn(run);
     }

@@ -20,13 +20,9 @@ use crate::{interrupt, log};
 pub(crate) struct Args {
     #[command(flatten)]
     server: ServerArgs,
-    /// Engine threads, each with its own lease; all cores by default.
+    /// Engine threads, each with its own lease; those without work help the others. All cores by default.
     #[arg(long, env = "GRANARY_THREADS", value_name = "N")]
     threads: Option<usize>,
-    /// How many of these threads one job gets: with 2, a single beam or pack comes sooner, and as many as before later.
-    #[arg(long, env = "GRANARY_THREADS_PER_JOB", value_name = "N", default_value_t = 1,
-        value_parser = clap::value_parser!(u8).range(1..=16))]
-    threads_per_job: u8,
     /// What this worker calls itself; host and process by default.
     #[arg(long, env = "GRANARY_WORKER_NAME")]
     name: Option<String>,
@@ -55,13 +51,7 @@ fn spool() -> PathBuf {
 
 impl Args {
     fn config(&self) -> anyhow::Result<Config> {
-        let threads = self.threads.unwrap_or_else(all_cores);
-        let per_job = usize::from(self.threads_per_job);
-        anyhow::ensure!(
-            per_job <= threads,
-            "--threads-per-job = {per_job}: must be at most --threads, {threads}"
-        );
-        let usual = Config::new(threads / per_job);
+        let usual = Config::new(self.threads.unwrap_or_else(all_cores));
         let memory = |gib: u64| (gib << 30) / usual.slots as u64;
         Ok(Config {
             name: self.name.clone().unwrap_or_else(|| usual.name.clone()),
@@ -87,7 +77,7 @@ pub(crate) async fn run(args: Args) -> anyhow::Result<Done> {
         "worker started"
     );
     let shutdown = CancellationToken::new();
-    let engine = core_engine(usize::from(args.threads_per_job));
+    let engine = core_engine(config.slots);
     let work = lease_loop::run(client, engine, config, shutdown.clone());
     tokio::pin!(work);
     let ended = tokio::select! {

@@ -10,9 +10,10 @@
 
 use std::ops::ControlFlow;
 use std::path::PathBuf;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use granary_core::beam::point::BeamPoint;
+use granary_core::crew::Crew;
 use granary_core::stage::{Ensemble, Outcome, STATE, StageFailure, StageSpec, run};
 
 /// Steps of a bending before it is timed.
@@ -103,10 +104,5 @@ fn bend() {
 
 fn main() {
     let threads = variable("THREADS").unwrap_or(1);
-    if threads > 1 {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
-        pool.build().expect("threads").install(bend);
-    } else {
-        bend();
-    }
+    Crew::new(threads, || Duration::ZERO).work(bend);
 }

@@ -45,9 +45,11 @@ fn main() {
                 width,
             };
             let mut scene = bench(&pack, &settings).expect("compiled");
-            scene.run(50);
+            let mut left = 0..50;
+            scene.run(&mut || left.next().is_some());
             let start = cpu_seconds();
-            scene.run(steps);
+            let mut left = 0..steps;
+            scene.run(&mut || left.next().is_some());
             let seconds = cpu_seconds() - start;
             let size = scene.size();
             let rate = (size.grains * lanes) as f64 * steps as f64 / seconds;

@@ -5,11 +5,12 @@
 use serde::Deserialize;
 
 use crate::contact::hooke::Hooke;
+use crate::crew::helped;
 use crate::grains::{Grains, Pose, UPRIGHT};
 use crate::lanes::{F32x8, F32x16, F64x1, F64x8, VectorWidth};
 use crate::material::{Material, Units};
 use crate::memory::spec::{Precision, ShapeName};
-use crate::scene::{Laws, Physics, Replicas, Scene, With, team};
+use crate::scene::{Laws, Physics, Replicas, Scene, With};
 use crate::shape::{Body, Shape, Sphere, Tetrahedron};
 use crate::wall::Walls;
 
@@ -132,8 +133,8 @@ pub struct Settings {
 
 /// A scene that can be stepped, whatever its types.
 pub trait Bench {
-    /// Takes `steps` steps, a lone run on all threads of the caller's pool.
-    fn run(&mut self, steps: u64);
+    /// Takes a step, while there are to be more, on all threads of the caller's crew.
+    fn run(&mut self, more: &mut (dyn FnMut() -> bool + Send));
 
     /// What the scene is made of.
     fn size(&self) -> Size;
@@ -159,10 +160,9 @@ pub struct Size {
 }
 
 impl<R: Replicas, P: Physics> Bench for Scene<R, P> {
-    fn run(&mut self, steps: u64) {
-        let shared_out = if R::K == 1 { self.grains.len() } else { 0 };
-        team::helped(shared_out, || {
-            for _ in 0..steps {
+    fn run(&mut self, more: &mut (dyn FnMut() -> bool + Send)) {
+        helped(self.grains.len(), || {
+            while more() {
                 self.step();
             }
         });

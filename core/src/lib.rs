@@ -12,6 +12,7 @@
 //! # Reading order
 //! The modules stand in the order in which they may import one another (see ARCHITECTURE.md).
 
+pub mod crew;
 pub mod identity;
 pub mod outcome;
 pub mod parameter;

@@ -106,7 +106,7 @@ pub struct Report<'a> {
 }
 
 /// The caller's side of a run: called about every hundred steps, never between two halves of one.
-pub type Watch<'a> = &'a mut dyn FnMut(&Report<'_>) -> ControlFlow<()>;
+pub type Watch<'a> = &'a mut (dyn FnMut(&Report<'_>) -> ControlFlow<()> + Send);
 
 /// The caller, and how many steps it was told to expect.
 pub(crate) struct Progress<'a> {

@@ -1,6 +1,7 @@
 //! A scene: grains, walls and contacts in K replicas, and the step that moves them.
 
 use crate::contact::{Components, TangentialLaw};
+use crate::crew;
 use crate::force::{AffineRate, BodyForce};
 use crate::grains::{Grains, Size};
 use crate::lanes::{F32x8, F32x16, F64x1, F64x8, Row, Scalar, VectorWidth};
@@ -19,7 +20,6 @@ mod motions;
 pub(crate) mod step;
 pub mod surroundings;
 pub(crate) mod survey;
-pub(crate) mod team;
 
 use casing::Casing;
 use contacts::{Contacts, Live};
@@ -99,7 +99,7 @@ pub trait Replicas: Row {
 
 /// What a step needs besides the state; nothing in it outlives the step.
 #[doc(hidden)]
-pub trait Work<R: Row>: Clone {
+pub trait Work<R: Row>: Clone + Send {
     /// Room for the steps of `grains`.
     fn new<P: Physics>(grains: &Grains<R>) -> Self;
 
@@ -186,6 +186,7 @@ impl<R: Replicas, P: Physics> Scene<R, P> {
     ///
     /// The caller has put the walls where they are at the present positions.
     pub fn step(&mut self) {
+        self.contacts.share_out(crew::size());
         let swept = R::step(self);
         let reach = self.laws.body.reach();
         let live = Live {
@@ -203,7 +204,7 @@ impl<R: Replicas, P: Physics> Scene<R, P> {
             (swept, &|| surroundings.moved()),
             grains,
             walls,
-            reach,
+            (reach, self.laws.time_step),
             live,
         );
         if renewed {
@@ -217,8 +218,8 @@ impl<R: Replicas, P: Physics> Scene<R, P> {
             leader: leader(&self.running),
             running: &self.running,
         };
-        self.contacts
-            .renew(&self.grains, &self.walls, self.laws.body.reach(), live);
+        let pace = (self.laws.body.reach(), self.laws.time_step);
+        self.contacts.renew(&self.grains, &self.walls, pace, live);
         let (skin, width) = (self.laws.skin, self.laws.width);
         self.surroundings.renew(&self.grains, skin, width);
     }

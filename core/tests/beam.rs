@@ -2,7 +2,10 @@
 //!
 //! Source: the invariants of ARCHITECTURE.md, and what stops a run (docs/refusals.md).
 
+use std::time::Duration;
+
 use granary_core::beam::results::{FITS, RESULTS};
+use granary_core::crew::Crew;
 use granary_core::lanes::VectorWidth;
 use granary_core::stage::{
     GRAINS_DUMP, HISTORY, MEMBRANE_COLLECTION, Outcome, STATE, STRUCTURE, StageFailure, StageSpec,
@@ -70,11 +73,12 @@ fn every_vector_width_gives_the_same_bits() {
 fn two_threads_give_the_same_bits() {
     let point = tiny(&json!({"strain_end": 0.0005}));
     let (specs, outcomes) = (stages(&point), all(&point));
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build();
-    let pool = pool.expect("two threads");
+    let crew = Crew::new(2, || Duration::ZERO);
     let mut input: &[u8] = &[];
     for (spec, outcome) in specs.iter().zip(&outcomes) {
-        let found = pool.install(|| finish(spec, (input, None), VectorWidth::widest()));
+        let found = crew
+            .work(|| finish(spec, (input, None), VectorWidth::widest()))
+            .0;
         assert_same(outcome, &found, spec.kind().name());
         input = outcome.artifacts.get(STATE).map_or(&[], Vec::as_slice);
     }

@@ -5,12 +5,13 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use granary_core::crew::Crew;
 use granary_core::stage::{Ensemble, Outcome, Report, StageFailure, StageSpec, Watch};
 use tokio::sync::{OwnedSemaphorePermit, oneshot, watch};
 
 use crate::archive::Archive;
 use crate::held::{Signals, Word};
-use crate::machine::{charge_help, team, thread_cpu_time};
+use crate::machine::{charge, thread_cpu_time};
 
 /// What becomes of one job.
 pub type StageResult = Result<Outcome, StageFailure>;
@@ -18,18 +19,13 @@ pub type StageResult = Result<Outcome, StageFailure>;
 /// Runs ensembles; tests put their own in the place of [`granary_core::stage::run`].
 pub type Engine = Arc<dyn Fn(&Ensemble<'_>, Watch<'_>) -> Vec<StageResult> + Send + Sync>;
 
-/// The engine of `core`, with up to `threads` threads for each ensemble.
-///
-/// Only lone runs of many grains share their steps out; to the others further threads are of no use.
+/// The engine of `core` on so many threads: those that have no ensemble of their own help the others with their steps.
 #[must_use]
 pub fn core_engine(threads: usize) -> Engine {
+    let crew = Crew::new(threads, thread_cpu_time);
     Arc::new(move |ensemble, watch| {
-        // Without a team everything runs here, to the same bits.
-        let pool = team(threads);
-        let results = granary_core::stage::run(ensemble, watch);
-        if let Some(pool) = &pool {
-            charge_help(pool);
-        }
+        let (results, help) = crew.work(|| granary_core::stage::run(ensemble, watch));
+        charge(help);
         results
     })
 }

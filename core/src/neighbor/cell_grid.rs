@@ -27,7 +27,7 @@ impl CellGrid {
         self.find_middles(spheres);
         self.cells.sort(&self.middles, farthest);
         for i in 0..spheres.grains() {
-            self.find_near(spheres, farthest, i);
+            self.find_near(spheres, farthest - largest + spheres.radii[i], i);
             for &j in &self.near {
                 spheres.compare(i, j as usize, &mut rows.keys);
             }
@@ -47,7 +47,7 @@ impl CellGrid {
         }));
     }
 
-    /// Collects the grains j > i within reach of grain i, ascending; none can be `farthest` away.
+    /// Collects the grains j > i within reach of grain i, ascending; none is `farthest` away.
     fn find_near(&mut self, spheres: &Spheres<'_>, farthest: f64, i: usize) {
         self.near.clear();
         let middle = self.middles[i];

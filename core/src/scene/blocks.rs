@@ -1,4 +1,4 @@
-//! Blocks of rows: what each thread of a step's team takes.
+//! Blocks of rows: what each thread of a job takes.
 //!
 //! How many blocks there are changes no sum. Rows reach beyond the end of their block, but no farther than into the next:
 //! what they add there is summed apart. A grain of the next block that they reach is *shared*: what its own block adds to it
@@ -6,7 +6,7 @@
 
 use std::ops::Range;
 
-use super::team::{self, LEAST_ROWS};
+use crate::crew::{self, LEAST_ROWS};
 
 /// Neighboring rows, and their candidates.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -58,7 +58,7 @@ impl<T: Send> Divide for &mut [T] {
     }
 }
 
-/// Does `work` on every block and what goes with it, side by side where the caller has a team.
+/// Does `work` on every block and what goes with it, side by side where the job has more threads.
 pub(super) fn each<T: Divide>(blocks: &[Block], with: T, work: &(impl Fn(&Block, T) + Sync)) {
     match blocks {
         [] => {}
@@ -71,7 +71,7 @@ pub(super) fn each<T: Divide>(blocks: &[Block], with: T, work: &(impl Fn(&Block,
                 candidates: second[0].candidates.start - from.candidates.start,
             };
             let (with_first, with_second) = with.divide(&counts);
-            team::both(
+            crew::both(
                 || each(first, with_first, work),
                 || each(second, with_second, work),
             );
@@ -79,16 +79,17 @@ pub(super) fn each<T: Divide>(blocks: &[Block], with: T, work: &(impl Fn(&Block,
     }
 }
 
-/// Cuts rows, given where their candidates start, into one block for each thread of the caller's team.
+/// Cuts rows, given where their candidates start, into one block for each of so many threads.
 ///
 /// `farthest` is the largest row that a range of candidates reaches.
 pub(super) fn cut(
+    threads: usize,
     starts: &[u32],
     farthest: impl Fn(Range<usize>) -> usize,
     blocks: &mut Vec<Block>,
 ) {
     let rows = starts.len().saturating_sub(1);
-    let most = team::size().min(rows / LEAST_ROWS);
+    let most = threads.min(rows / LEAST_ROWS);
     let mut cut = |count| cut_into(count, starts, &farthest, blocks);
     if (2..=most).rev().any(&mut cut) {
         return;
@@ -211,10 +212,10 @@ mod tests {
     fn what_runs_alone_is_one_block() {
         let (starts, farthest) = chain(1000, 7);
         let mut blocks = vec![];
-        cut(&starts, farthest, &mut blocks);
+        cut(1, &starts, farthest, &mut blocks);
         assert_eq!(blocks.len(), 1);
         for none in [&[][..], &[0]] {
-            cut(none, |_| 0, &mut blocks);
+            cut(4, none, |_| 0, &mut blocks);
             assert_eq!((&blocks[0].rows, &blocks[0].candidates), (&(0..0), &(0..0)));
         }
     }

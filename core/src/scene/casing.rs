@@ -18,8 +18,8 @@ mod sheet;
 mod touch;
 
 use super::surroundings::{OnGrains, Surroundings};
-use super::team;
 use crate::contact::mindlin::Mindlin;
+use crate::crew;
 use crate::grains::Grains;
 use crate::lanes::{F64x1, F64x8, Kernel, Lane, Row, VectorWidth, dispatch};
 use crate::material::Material;
@@ -166,7 +166,7 @@ impl Casing {
             balls: &self.balls,
             pairs: self.near.pairs(),
         };
-        team::each(&mut self.parts, &|part| {
+        crew::each(&mut self.parts, &|part| {
             let acting = Acting {
                 part,
                 around,

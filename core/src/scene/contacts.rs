@@ -4,6 +4,7 @@
 //! It holds every pair of spheres that any replica could bring to touch before the next renewal.
 
 use crate::contact::{Components, TangentialLaw};
+use crate::crew;
 use crate::grains::Grains;
 use crate::lanes::{Row, Scalar};
 use crate::math::plain;
@@ -11,6 +12,12 @@ use crate::neighbor::{CellGrid, Key, Rows, Spheres};
 use crate::wall::{WALLS, Walls, axis, inward};
 
 use super::blocks::{self, Block, Tail};
+
+/// A list is built so that fast grains need no other for about so many steps.
+const AHEAD_STEPS: f64 = 500.0;
+
+/// But for no farther than so much of a radius: where grains are packed, cages are not larger.
+const AHEAD: f64 = 0.3;
 
 /// A pair of spheres that may touch; its grain `i` is the row that it stands in.
 #[derive(Clone, Copy, Debug)]
@@ -57,6 +64,8 @@ pub(crate) struct Contacts<R: Row, T: TangentialLaw> {
     pub(crate) starts: Vec<u32>,
     /// All rows, for the threads of a step.
     pub(super) blocks: Vec<Block>,
+    /// The threads that they were cut for.
+    cut_for: usize,
     /// The rows of all blocks that reach the next one.
     pub(super) tails: Vec<Tail>,
     pub(crate) candidates: Vec<Candidate<R::Scalar>>,
@@ -69,6 +78,8 @@ pub(crate) struct Contacts<R: Row, T: TangentialLaw> {
     old: OldRows<R::Scalar, T::History<R>>,
     grid: CellGrid,
     found: Rows,
+    /// How fast each grain was when the list was built.
+    speeds: Vec<f64>,
     built: Built,
     /// No grain or wall has moved farther than this since the list was built \[R\].
     pub(super) swept: f64,
@@ -83,7 +94,8 @@ struct Built {
     centers: Vec<[f64; 3]>,
     offsets: Vec<([f64; 3], [f64; 4])>,
     walls: [f64; WALLS],
-    /// The radius of each grain's spheres, and how much farther than the leading replica's one of them was in any other.
+    /// The radius of each grain's spheres, how much farther than the leading replica's one of them was in any other, and how
+    /// far it is let move beyond the skin.
     radii: Vec<f64>,
     wall_slack: f64,
 }
@@ -111,6 +123,7 @@ impl<R: Row, T: TangentialLaw> Contacts<R, T> {
         Self {
             starts: vec![],
             blocks: vec![],
+            cut_for: 0,
             tails: vec![],
             candidates: vec![],
             live: vec![],
@@ -120,6 +133,7 @@ impl<R: Row, T: TangentialLaw> Contacts<R, T> {
             old: (vec![], vec![], vec![], vec![]),
             grid: CellGrid::default(),
             found: Rows::default(),
+            speeds: vec![],
             built: Built::default(),
             swept: f64::INFINITY,
             skin,
@@ -140,7 +154,7 @@ impl<R: Row, T: TangentialLaw> Contacts<R, T> {
         (distance, moved_around): (f64, &dyn Fn() -> f64),
         grains: &Grains<R>,
         walls: &Walls<R>,
-        reach: f64,
+        (reach, time_step): (f64, f64),
         live: Live<'_>,
     ) -> bool {
         self.swept += distance;
@@ -156,7 +170,7 @@ impl<R: Row, T: TangentialLaw> Contacts<R, T> {
                 return false;
             }
         }
-        self.renew(grains, walls, reach, live);
+        self.renew(grains, walls, (reach, time_step), live);
         true
     }
 
@@ -184,10 +198,11 @@ impl<R: Row, T: TangentialLaw> Contacts<R, T> {
         &mut self,
         grains: &Grains<R>,
         walls: &Walls<R>,
-        reach: f64,
+        (reach, time_step): (f64, f64),
         live: Live<'_>,
     ) {
         self.note_where_everything_is(grains, walls, reach, live);
+        self.reach_ahead(grains, (reach, time_step), live);
         let spheres = Spheres {
             centers: &self.built.centers,
             per_grain: grains.spheres(),
@@ -235,6 +250,27 @@ impl<R: Row, T: TangentialLaw> Contacts<R, T> {
         }
     }
 
+    /// Lets those that are much faster than most, as grains that rattle in their cages, move farther before all must be renewed.
+    fn reach_ahead(&mut self, grains: &Grains<R>, (reach, time_step): (f64, f64), live: Live<'_>) {
+        let n = grains.len();
+        let fastest = |i: usize| {
+            let speeds = live.lanes().map(|k| {
+                let motion = grains.motion(i, k);
+                plain::norm(motion.velocity) + reach * plain::norm(motion.spin)
+            });
+            // A replica that has lost its numbers must not cost the others their contacts.
+            let finite = speeds.filter(|speed| speed.is_finite());
+            finite.fold(0.0, f64::max)
+        };
+        self.speeds.clear();
+        self.speeds.extend((0..n).map(fastest));
+        let usual = 2.0 * self.speeds.iter().sum::<f64>() / n.max(1) as f64;
+        for (i, (radius, speed)) in self.built.radii.iter_mut().zip(&self.speeds).enumerate() {
+            let ahead = AHEAD_STEPS * time_step * (speed - usual);
+            *radius += ahead.clamp(0.0, AHEAD * grains.radius(i));
+        }
+    }
+
     /// Makes the found keys the list; walks old and new rows side by side to carry histories over.
     fn take_over(&mut self, grains: &Grains<R>) {
         std::mem::swap(&mut self.starts, &mut self.old.0);
@@ -267,12 +303,22 @@ impl<R: Row, T: TangentialLaw> Contacts<R, T> {
                 self.candidates.push(candidate(grains, i, key));
             }
         }
+        self.cut_for = 0;
+        self.share_out(crew::size());
+    }
+
+    /// Cuts all rows into blocks for so many threads, unless they are.
+    pub(super) fn share_out(&mut self, threads: usize) {
+        if self.cut_for == threads {
+            return;
+        }
+        self.cut_for = threads;
         let candidates = &self.candidates;
         let farthest = |range: std::ops::Range<usize>| {
             let others = candidates[range].iter().map(|candidate| candidate.j);
             others.max().unwrap_or(0) as usize
         };
-        blocks::cut(&self.starts, farthest, &mut self.blocks);
+        blocks::cut(threads, &self.starts, farthest, &mut self.blocks);
         let reached = |c: usize| candidates[c].j as usize;
         blocks::note_tails(&mut self.blocks, &self.starts, reached, &mut self.tails);
     }

@@ -10,6 +10,7 @@ mod records;
 use std::marker::PhantomData;
 
 use crate::contact::{Components, TangentialLaw};
+use crate::crew;
 use crate::force::AffineRate;
 use crate::grains::{Grains, Pose, Size};
 use crate::lanes::{F64x1, F64x8, Kernel, Lane, Mask, dispatch};
@@ -28,14 +29,14 @@ use super::motion::{
 };
 use super::motions::MotionsMut;
 use super::surroundings::{OnGrains, Surroundings};
-use super::{Laws, Physics, Scene, team};
+use super::{Laws, Physics, Scene};
 
 /// Lanes.
 const WIDE: usize = 8;
 
 /// Takes the whole step; returns how far anything can have moved.
 ///
-/// Grains act on each other, block by block, while their surroundings act on them, on the threads of the caller's team:
+/// Grains act on each other, block by block, while their surroundings act on them, on the threads of the job:
 /// none reads what another writes.
 pub(super) fn step<P: Physics>(scene: &mut Scene<F64x1, P>) -> f64 {
     let Scene {
@@ -61,7 +62,7 @@ pub(super) fn step<P: Physics>(scene: &mut Scene<F64x1, P>) -> f64 {
     let surroundings_act = || surroundings.act(grains, time_step, width);
     let mut grains_act = || pairs_act(laws, contacts, work);
     if size_of::<P::Surroundings>() > 0 {
-        team::both(surroundings_act, grains_act);
+        crew::both(surroundings_act, grains_act);
     } else {
         grains_act();
     }

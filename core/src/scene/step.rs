@@ -3,7 +3,7 @@
 //! A row is done in two sweeps, so that long chains of roots and divisions of different contacts overlap:
 //! first every candidate is tested and those that any replica touches are noted, then the forces of the noted ones are found.
 //!
-//! Blocks of rows, one for each thread of the caller's team, first find the forces of their pairs with grains of the next
+//! Blocks of rows, one for each thread of the job, first find the forces of their pairs with grains of the next
 //! block, and sum what those add there apart; a row's candidates are sorted by the grain that they reach, so these are its last.
 //! Then no block needs anything of another's grains, and all sums are added in the order in which one thread adds them.
 

@@ -1,7 +1,10 @@
-//! The threads of a team change no bit.
+//! The threads of a job change no bit.
 
 use super::*;
+use std::time::Duration;
+
 use crate::contact::hooke::Hooke;
+use crate::crew::{Crew, helped};
 use crate::grains::{Motion, Pose, UPRIGHT};
 use crate::material::Material;
 use crate::random::{Purpose, uniform3};
@@ -54,9 +57,9 @@ fn moved<R: Replicas, S: Shape>(
     spacing: f64,
     threads: usize,
 ) -> (Vec<Motion>, Vec<f64>) {
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-    pool.expect("threads").install(|| {
-        team::helped(usize::MAX, || {
+    let crew = Crew::new(threads, || Duration::ZERO);
+    crew.work(|| {
+        helped(usize::MAX, || {
             let mut scene = crowd::<R, S>(body.clone(), spacing);
             for step in 0..60 {
                 assert_eq!(scene.contacts.blocks.len(), threads, "step {step}");
@@ -69,6 +72,7 @@ fn moved<R: Replicas, S: Shape>(
             (motions, scene.walls.force.as_flattened().to_vec())
         })
     })
+    .0
 }
 
 fn threads_change_no_bit<R: Replicas, S: Shape>(body: &Body, spacing: f64) {

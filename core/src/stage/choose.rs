@@ -5,6 +5,7 @@ use crate::beam::{self, bend, grow, jam};
 use crate::contact::TangentialLaw;
 use crate::contact::frictionless::Frictionless;
 use crate::contact::hooke::Hooke;
+use crate::crew::helped;
 use crate::force::{AffineDrag, BodyForce};
 use crate::identity::StageId;
 use crate::lanes::{F32x8, F32x16, F64x1, F64x8, VectorWidth};
@@ -17,7 +18,6 @@ use crate::memory::train::{self, Chosen};
 use crate::observable::critical_time_step::Across;
 use crate::outcome::{Outcome, Progress, StageFailure, Watch};
 use crate::scene::With;
-use crate::scene::team::helped;
 use crate::shape::{Shape, Sphere, Tetrahedron};
 
 type Outcomes = Result<Vec<Result<Outcome, StageFailure>>, StageFailure>;

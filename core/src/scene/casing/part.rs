@@ -11,14 +11,14 @@ use super::sheet::{self, Pair, Sheet};
 use super::touch::{Ball, Finder};
 use super::{Contact, Grip, Held};
 use crate::contact::TangentialLaw;
+use crate::crew;
 use crate::grains::Grains;
 use crate::lanes::{F64x1, F64x8, Lane};
 use crate::math::plain;
 use crate::membrane::Membrane;
-use crate::scene::team;
 use std::ops::Range;
 
-/// Parts for each thread of a team, so that those who are done early find some to take.
+/// Parts for each thread of a crew, so that those who are done early find some to take.
 const PARTS: usize = 4;
 
 /// What a part reads.
@@ -55,8 +55,8 @@ pub(super) fn renew(pairs: &[Pair], parts: &mut Vec<Part>) {
 /// Cuts `pairs` into parts; each gets the contacts `held` of its grains and of those after them that are near nothing.
 pub(super) fn share_out(pairs: &[Pair], mut held: &[Held], parts: &mut Vec<Part>) {
     let (mut from, mut count) = (0, 0);
-    let most = if team::size() > 1 {
-        pairs.len() / (PARTS * team::size())
+    let most = if crew::size() > 1 {
+        pairs.len() / (PARTS * crew::size())
     } else {
         pairs.len()
     };
