@@ -80,7 +80,7 @@ pub struct Laws<P: Physics> {
     pub body_force: P::Body,
     /// \[t_c\].
     pub time_step: f64,
-    /// How far beyond touching the list of candidates reaches \[R\].
+    /// How far beyond touching the list of candidates reaches at least \[R\].
     pub skin: f64,
     /// The vector instructions to use.
     pub width: VectorWidth,
@@ -208,7 +208,7 @@ impl<R: Replicas, P: Physics> Scene<R, P> {
             live,
         );
         if renewed {
-            surroundings.renew(grains, self.laws.skin, self.laws.width);
+            surroundings.renew(grains, contacts.skin(), self.laws.width);
         }
     }
 
@@ -220,7 +220,7 @@ impl<R: Replicas, P: Physics> Scene<R, P> {
         };
         let pace = (self.laws.body.reach(), self.laws.time_step);
         self.contacts.renew(&self.grains, &self.walls, pace, live);
-        let (skin, width) = (self.laws.skin, self.laws.width);
+        let (skin, width) = (self.contacts.skin(), self.laws.width);
         self.surroundings.renew(&self.grains, skin, width);
     }
 
@@ -237,13 +237,6 @@ impl<R: Replicas, P: Physics> Scene<R, P> {
             *size = new;
         }
         self.contacts.swept += most;
-    }
-
-    /// Changes how far beyond touching the list reaches; no result depends on it.
-    pub fn set_skin(&mut self, skin: f64) {
-        self.laws.skin = skin;
-        self.contacts.set_skin(skin);
-        self.renew_contacts();
     }
 
     /// Whether replica `k` still runs.

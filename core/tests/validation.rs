@@ -21,6 +21,9 @@ mod tiny_beam;
 #[path = "validation/beam.rs"]
 mod beam;
 
+#[path = "validation/stability.rs"]
+mod stability;
+
 use tiny_pack::{finish, outcome};
 
 /// A point of preset `standard` with N grains.

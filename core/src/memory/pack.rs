@@ -30,8 +30,8 @@ use crate::wall::{WALLS, Walls};
 /// The physics of preparation.
 type Smooth<S> = With<S, Frictionless, ()>;
 
-/// Lists reach far while grains fly, and less far once they are packed; no result depends on it \[R\].
-const SKINS: [f64; 3] = [1.0, 0.15, 0.05];
+/// How far lists reach at least; they reach farther while grains fly \[R\].
+const SKIN: f64 = 0.05;
 
 /// Where a preparation is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -72,7 +72,7 @@ fn laws<S: Shape>(spec: &PackSpec, width: VectorWidth) -> Laws<Smooth<S>> {
         tangential: Frictionless,
         body_force: (),
         time_step: spec.preparation_time_step,
-        skin: SKINS[0],
+        skin: SKIN,
         width,
     }
 }
@@ -156,8 +156,7 @@ fn packed<S: Shape>(
     let order = spatial_order(&poses);
     let motions: Vec<Motion> = order.iter().map(|&i| grains.motion(i, 0)).collect();
     let poses = order.iter().map(|&i| poses[i]).collect();
-    let mut laws = laws::<S>(preparation.spec, width);
-    laws.skin = SKINS[2];
+    let laws = laws::<S>(preparation.spec, width);
     let scene = lone_scene(laws, poses, &motions, walls);
     let critical = critical_time_step(&scene, 0, Across::default());
     guard(critical)
@@ -261,9 +260,8 @@ fn read<'a, S: Shape>(
     let saved: Checkpoint<Header> =
         run::read_checkpoint(stage, bytes, |header: &Header| &header.stage)?;
     let header = saved.header.clone();
-    let mut laws = laws::<S>(spec, width);
+    let laws = laws::<S>(spec, width);
     if header.phase == Phase::Cycles {
-        laws.skin = SKINS[2];
         let scene = run::restored(laws, header.walls, &[saved])?;
         let mut drive = cycling(spec, scene, header.walls, header.critical_at_start);
         drive.step = header.phase_step;
@@ -271,7 +269,6 @@ fn read<'a, S: Shape>(
         drive.place_walls();
         return Ok(Saved::Cycling(Box::new(drive), header.servo_steps));
     }
-    laws.skin = SKINS[usize::from(header.phase == Phase::Servo)];
     let reference = Lattice::new(spec.grains, &laws.body).walls();
     let mut scene: Scene<F64x1, Smooth<S>> = run::restored(laws, reference, &[saved])?;
     for (w, &position) in header.walls.iter().enumerate() {

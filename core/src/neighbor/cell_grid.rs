@@ -1,6 +1,9 @@
 //! Cell grid: grains sorted into cells at least as wide as they can reach, compared with the cells around.
 
+use std::ops::Range;
+
 use super::{Cells, Rows, Spheres};
+use crate::crew;
 use crate::math::plain;
 
 /// The scratch memory of a search, kept so that later searches allocate nothing.
@@ -9,8 +12,17 @@ pub struct CellGrid {
     /// Center of mass of each grain.
     middles: Vec<[f64; 3]>,
     cells: Cells,
+    /// One for each thread of the job.
+    parts: Vec<Part>,
+}
+
+/// What one thread finds.
+#[derive(Clone, Debug, Default)]
+struct Part {
+    grains: Range<usize>,
     /// Grains near the one at hand.
     near: Vec<u32>,
+    found: Rows,
 }
 
 impl CellGrid {
@@ -26,12 +38,20 @@ impl CellGrid {
         let farthest = 2.0 * (spheres.reach + largest) + spheres.skin;
         self.find_middles(spheres);
         self.cells.sort(&self.middles, farthest);
-        for i in 0..spheres.grains() {
-            self.find_near(spheres, farthest - largest + spheres.radii[i], i);
-            for &j in &self.near {
-                spheres.compare(i, j as usize, &mut rows.keys);
-            }
-            rows.starts.push(rows.keys.len() as u32);
+        let (grains, threads) = (spheres.grains(), crew::size());
+        self.parts.resize_with(threads, Part::default);
+        for (n, part) in self.parts.iter_mut().enumerate() {
+            part.grains = n * grains / threads..(n + 1) * grains / threads;
+        }
+        let (middles, cells) = (&self.middles[..], &self.cells);
+        crew::each(&mut self.parts, &|part: &mut Part| {
+            part.search(spheres, (middles, cells), largest);
+        });
+        for part in &self.parts {
+            let before = rows.keys.len() as u32;
+            let starts = part.found.starts.iter().map(|start| before + start);
+            rows.starts.extend(starts);
+            rows.keys.extend_from_slice(&part.found.keys);
         }
     }
 
@@ -46,20 +66,46 @@ impl CellGrid {
             plain::scale(sum, share)
         }));
     }
+}
 
-    /// Collects the grains j > i within reach of grain i, ascending; none is `farthest` away.
-    fn find_near(&mut self, spheres: &Spheres<'_>, farthest: f64, i: usize) {
+impl Part {
+    /// Finds the rows of its grains; `starts` of what is found are where they end.
+    fn search(
+        &mut self,
+        spheres: &Spheres<'_>,
+        (middles, cells): (&[[f64; 3]], &Cells),
+        largest: f64,
+    ) {
+        self.found.starts.clear();
+        self.found.keys.clear();
+        for i in self.grains.clone() {
+            self.find_near(spheres, (middles, cells), largest, i);
+            for &j in &self.near {
+                spheres.compare(i, j as usize, &mut self.found.keys);
+            }
+            self.found.starts.push(self.found.keys.len() as u32);
+        }
+    }
+
+    /// Collects the grains j > i within reach of grain i, ascending; no grain's radius is larger than `largest`.
+    fn find_near(
+        &mut self,
+        spheres: &Spheres<'_>,
+        (middles, cells): (&[[f64; 3]], &Cells),
+        largest: f64,
+        i: usize,
+    ) {
         self.near.clear();
-        let middle = self.middles[i];
-        let around = [-farthest, farthest].map(|by| middle.map(|x| x + by));
-        for j in self.cells.near(around[0], around[1]) {
+        let reach = 2.0 * spheres.reach + spheres.skin + spheres.radii[i];
+        let middle = middles[i];
+        let around = [-1.0, 1.0].map(|side| middle.map(|x| x + side * (reach + largest)));
+        for j in cells.near(around[0], around[1]) {
             let other = j as usize;
             if other <= i {
                 continue;
             }
-            let branch = plain::sub(middle, self.middles[other]);
-            let cutoff =
-                2.0 * spheres.reach + spheres.skin + spheres.radii[i] + spheres.radii[other];
+            let branch = plain::sub(middle, middles[other]);
+            let cutoff = reach + spheres.radii[other];
             if plain::dot(branch, branch) < cutoff * cutoff {
                 self.near.push(j);
             }

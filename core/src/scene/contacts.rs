@@ -19,6 +19,10 @@ const AHEAD_STEPS: f64 = 500.0;
 /// But for no farther than so much of a radius: where grains are packed, cages are not larger.
 const AHEAD: f64 = 0.3;
 
+/// A list that serves fewer steps is too short, one that serves more too long.
+const FEW: u32 = 25;
+const MANY: u32 = 60;
+
 /// A pair of spheres that may touch; its grain `i` is the row that it stands in.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Candidate<S> {
@@ -83,7 +87,11 @@ pub(crate) struct Contacts<R: Row, T: TangentialLaw> {
     built: Built,
     /// No grain or wall has moved farther than this since the list was built \[R\].
     pub(super) swept: f64,
+    /// Steps since then.
+    served: u32,
+    /// How far beyond touching it reaches; no result depends on it.
     skin: f64,
+    least_skin: f64,
     /// How often the list was built.
     pub(crate) renewals: u64,
 }
@@ -136,14 +144,16 @@ impl<R: Row, T: TangentialLaw> Contacts<R, T> {
             speeds: vec![],
             built: Built::default(),
             swept: f64::INFINITY,
+            served: 0,
             skin,
+            least_skin: skin,
             renewals: 0,
         }
     }
 
-    pub(crate) fn set_skin(&mut self, skin: f64) {
-        self.skin = skin;
-        self.swept = f64::INFINITY;
+    /// How far beyond touching the list reaches.
+    pub(super) fn skin(&self) -> f64 {
+        self.skin
     }
 
     /// Takes note that nothing moved farther than `distance`, and renews the list if some pair might be missed; whether it did.
@@ -158,6 +168,7 @@ impl<R: Row, T: TangentialLaw> Contacts<R, T> {
         live: Live<'_>,
     ) -> bool {
         self.swept += distance;
+        self.served += 1;
         // Not `>`: a distance that is not a number must renew too.
         if self.swept <= 0.5 * self.skin {
             return false;
@@ -170,8 +181,21 @@ impl<R: Row, T: TangentialLaw> Contacts<R, T> {
                 return false;
             }
         }
+        self.adapt(grains);
         self.renew(grains, walls, (reach, time_step), live);
         true
+    }
+
+    /// Lets the next list reach farther if this one served few steps, and less far if many: building one takes as long as a
+    /// dozen steps, and a step longer with a longer list.
+    fn adapt(&mut self, grains: &Grains<R>) {
+        let by = match self.served {
+            ..FEW => 1.15,
+            MANY.. => 0.9,
+            _ => 1.0,
+        };
+        let farthest = self.least_skin.max(grains.radius(0));
+        self.skin = (self.skin * by).clamp(self.least_skin, farthest);
     }
 
     /// How far beyond its slack any sphere or wall of any running replica has moved since the list was built.
@@ -214,6 +238,7 @@ impl<R: Row, T: TangentialLaw> Contacts<R, T> {
         self.take_over(grains);
         self.find_wall_candidates(grains, walls);
         self.swept = 0.0;
+        self.served = 0;
         self.renewals += 1;
     }
 

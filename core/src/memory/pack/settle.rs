@@ -1,6 +1,6 @@
 //! Gas and servo: grains fly in a fixed box, then the +z wall presses them together until they rest (Sec. II.2).
 
-use super::{Header, Phase, SKINS, Smooth, guard, laws, lone_scene};
+use super::{Header, Phase, Smooth, guard, laws, lone_scene};
 use crate::grains::Grains;
 use crate::guard::Stop;
 use crate::lanes::{F64x1, VectorWidth};
@@ -98,7 +98,6 @@ impl<'a, S: Shape> Preparation<'a, S> {
         while self.phase == Phase::Gas {
             if self.phase_step >= self.gas_steps() {
                 (self.phase, self.phase_step) = (Phase::Servo, 0);
-                self.scene.set_skin(SKINS[1]);
                 break;
             }
             self.look()?;

@@ -1,0 +1,108 @@
+//! The map as a picture.
+
+use std::fmt::Write as _;
+
+use super::{Cell, Found};
+
+const ROW: f64 = 15.0;
+const LEFT: f64 = 260.0;
+const WIDTH: f64 = 420.0;
+/// Ends of the axis, decades of t_c.
+const DECADES: [f64; 2] = [-2.0, 2.0];
+
+/// One row for each cell that departs in one factor, one dot for each corner; green is right, gray stopped, red neither.
+pub(super) fn map(cells: &[Cell], found: &[Found]) -> String {
+    let x = |critical: f64| {
+        let share = (critical.log10() - DECADES[0]) / (DECADES[1] - DECADES[0]);
+        LEFT + WIDTH * share.clamp(0.0, 1.0)
+    };
+    let (mut body, mut y) = (String::new(), 50.0);
+    let mut corners_at = None;
+    for (cell, found) in cells.iter().zip(found) {
+        let corner = cell.factor == "corner";
+        let row = if corner {
+            *corners_at.get_or_insert(y + 40.0)
+        } else {
+            y
+        };
+        if !corner {
+            let name = if cell.beam && !cell.factor.starts_with("beam") {
+                format!("beam: {} {}", cell.factor, cell.value)
+            } else {
+                format!("{} {}", cell.factor, cell.value)
+            };
+            let _ = write!(
+                body,
+                "<text x=\"{}\" y=\"{}\" text-anchor=\"end\">{name}</text>",
+                LEFT - 12.0,
+                row + 4.0
+            );
+            y += ROW;
+        }
+        // Corners are spread so that none hides another.
+        let jitter = if corner {
+            let n: usize = cell.value.parse().unwrap_or(0);
+            (n * 7 % 20) as f64 * 3.0 - 30.0
+        } else {
+            0.0
+        };
+        let dot = match found {
+            Found::Measured(m) => {
+                let color = if m.is_right(cell.beam) {
+                    "#2a7f3f"
+                } else {
+                    "#c0281c"
+                };
+                format!(
+                    "<circle cx=\"{:.1}\" cy=\"{:.1}\" r=\"4\" fill=\"{color}\"/>",
+                    x(m.critical),
+                    row + jitter
+                )
+            }
+            Found::Stopped(reason) if corner => {
+                let _ = reason;
+                format!(
+                    "<path d=\"M{:.1} {:.1}l6 6m0-6l-6 6\" stroke=\"#888\" stroke-width=\"1.5\"/>",
+                    LEFT + WIDTH + 12.0 + (jitter + 30.0),
+                    row + jitter * 0.8 - 3.0
+                )
+            }
+            Found::Stopped(reason) => {
+                let short: String = reason.chars().take(48).collect();
+                format!(
+                    "<text x=\"{}\" y=\"{}\" fill=\"#777\">{}</text>",
+                    LEFT + 6.0,
+                    row + 4.0,
+                    short.replace('&', "&amp;").replace('<', "&lt;")
+                )
+            }
+        };
+        body.push_str(&dot);
+    }
+    let bottom = corners_at.map_or(y, |at| at + 45.0);
+    if let Some(at) = corners_at {
+        let _ = write!(
+            body,
+            "<text x=\"{}\" y=\"{}\" text-anchor=\"end\">200 corners (× stopped)</text>",
+            LEFT - 12.0,
+            at + 4.0
+        );
+    }
+    let mut axis = String::new();
+    for decade in -2..=2 {
+        let at = x(10f64.powi(decade));
+        let _ = write!(
+            axis,
+            "<path d=\"M{at:.1} 40V{bottom:.1}\" stroke=\"#ddd\"/><text x=\"{at:.1}\" y=\"34\" text-anchor=\"middle\">{}</text>",
+            10f64.powi(decade)
+        );
+    }
+    format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {w} {h}\" font-family=\"sans-serif\" font-size=\"11\">\
+         <rect width=\"{w}\" height=\"{h}\" fill=\"#fff\"/>\
+         <text x=\"{LEFT}\" y=\"16\" font-size=\"13\">largest stable time step [t_c; beams: share of the measured one]</text>\
+         {axis}{body}</svg>\n",
+        w = LEFT + WIDTH + 100.0,
+        h = bottom + 10.0
+    )
+}
