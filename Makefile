@@ -43,7 +43,7 @@ bench: ## time the engine on this machine, on a pack of its own
 	$(CARGO) build --release --locked
 	$(GRANARY) bench $(ARGS)
 
-validate: ## long physics checks: WHAT=numerics|packs|beam
+validate: ## long physics checks: WHAT=numerics|packs|beam|stability
 	$(CARGO) test --release --locked -p granary-core --features validation --lib --test validation -- --nocapture $(WHAT)
 
 presets: ## measure again what presets cost in accuracy, for `granary models` and /models

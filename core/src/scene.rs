@@ -22,6 +22,7 @@ pub mod surroundings;
 pub(crate) mod survey;
 
 use casing::Casing;
+pub use contacts::FARTHEST_SKIN;
 use contacts::{Contacts, Live};
 use surroundings::Surroundings;
 

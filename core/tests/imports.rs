@@ -13,6 +13,7 @@ const LEVELS: [(bool, &[&str]); 11] = [
     (
         true,
         &[
+            "crew",
             "identity",
             "outcome",
             "parameter",

@@ -1,7 +1,7 @@
 //! Long validation: what a shortcut costs in 𝒢 and 𝓕, and whether the scores are where they must be.
 //!
 //! Source: docs/choices.md §4 and docs/validation.md. Differences within one pack are sharp; the scores of small packs scatter by 20 %.
-//! Not part of the default run: `make validate WHAT=numerics`, `WHAT=packs` or `WHAT=beam`, by the feature `validation`.
+//! Not part of the default run: `make validate WHAT=numerics`, `WHAT=packs`, `WHAT=beam` or `WHAT=stability`, by the feature `validation`.
 
 use granary_core::lanes::VectorWidth;
 use granary_core::memory::score::{Dots, Processing, Score, Signal};

@@ -47,6 +47,8 @@ impl CellGrid {
         crew::each(&mut self.parts, &|part: &mut Part| {
             part.search(spheres, (middles, cells), largest);
         });
+        let all = self.parts.iter().map(|part| part.found.keys.len()).sum();
+        rows.keys.reserve_exact(all);
         for part in &self.parts {
             let before = rows.keys.len() as u32;
             let starts = part.found.starts.iter().map(|start| before + start);

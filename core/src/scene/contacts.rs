@@ -19,6 +19,9 @@ const AHEAD_STEPS: f64 = 500.0;
 /// But for no farther than so much of a radius: where grains are packed, cages are not larger.
 const AHEAD: f64 = 0.3;
 
+/// How far beyond touching a list reaches at most, unless it is told to, in radii: where grains fly.
+pub const FARTHEST_SKIN: f64 = 0.5;
+
 /// A list that serves fewer steps is too short, one that serves more too long.
 const FEW: u32 = 25;
 const MANY: u32 = 60;
@@ -188,13 +191,18 @@ impl<R: Row, T: TangentialLaw> Contacts<R, T> {
 
     /// Lets the next list reach farther if this one served few steps, and less far if many: building one takes as long as a
     /// dozen steps, and a step longer with a longer list.
+    ///
+    /// In ensembles, where a step costs more and memory counts, it stays as short as it is.
     fn adapt(&mut self, grains: &Grains<R>) {
+        if R::K > 1 {
+            return;
+        }
         let by = match self.served {
             ..FEW => 1.15,
             MANY.. => 0.9,
             _ => 1.0,
         };
-        let farthest = self.least_skin.max(grains.radius(0));
+        let farthest = self.least_skin.max(FARTHEST_SKIN * grains.radius(0));
         self.skin = (self.skin * by).clamp(self.least_skin, farthest);
     }
 
@@ -306,6 +314,10 @@ impl<R: Row, T: TangentialLaw> Contacts<R, T> {
         self.candidates.clear();
         self.live.clear();
         self.histories.clear();
+        let all = self.found.keys.len();
+        make_room(&mut self.candidates, all);
+        make_room(&mut self.live, all);
+        make_room(&mut self.histories, all);
         self.starts.extend_from_slice(&self.found.starts);
         let (old_starts, old_candidates, old_live, old_histories) = &self.old;
         for i in 0..grains.len() {
@@ -424,6 +436,13 @@ impl<R: Row, T: TangentialLaw> Contacts<R, T> {
                 row.lanes_mut()[to] = row.lanes()[from];
             }
         }
+    }
+}
+
+/// Room for `all`, and for a few more, so that lists that grow slowly do not ask again each time.
+fn make_room<T>(list: &mut Vec<T>, all: usize) {
+    if list.capacity() < all {
+        list.reserve_exact(all + all / 16 - list.len());
     }
 }
 

@@ -5,6 +5,10 @@ use serde::{Deserialize, Serialize};
 use super::StageSpec;
 use crate::memory::spec::{PackSpec, Precision, ShapeName};
 use crate::memory::{hold_steps, ramp_steps};
+use crate::scene::FARTHEST_SKIN;
+
+/// What an ensemble holds however few its grains \[bytes\]: samples, signals and results of all replicas.
+const BESIDES: u64 = 2 << 20;
 
 /// The size of a stage's work.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -73,18 +77,35 @@ impl StageSpec {
         format!("{}/{shape}/{precision}", self.kind().name())
     }
 
-    /// Memory of an ensemble of the memory experiment in `pack` \[bytes\].
+    /// Memory of an ensemble of the memory experiment in `pack` \[bytes\], not to be exceeded (`core/tests/random_specs.rs`).
     fn bytes(&self, pack: &PackSpec) -> u64 {
-        // Generous per-grain sizes of one lane: state, list and springs (`granary bench` prints the measured ones).
-        let (scalar, lanes) = match self {
-            Self::Recall(spec) if spec.precision == Precision::F32 => (4, 16),
-            Self::Recall(_) => (8, 8),
-            _ => (8, 1),
+        let (scalar, lanes, skin) = match self {
+            Self::Recall(spec) if spec.precision == Precision::F32 => (4, 16, spec.skin),
+            Self::Recall(spec) => (8, 8, spec.skin),
+            Self::Train(spec) => (8, 1, spec.skin.max(FARTHEST_SKIN)),
+            _ => (8, 1, FARTHEST_SKIN),
         };
-        let contacts = match pack.shape {
-            ShapeName::Sphere => 6,
-            ShapeName::Tetrahedron => 12,
-        };
-        u64::from(pack.grains) * ((19 + 3 * contacts) * scalar * lanes + contacts * 64 + 256)
+        // The list and the one before it: reference, grains, a flag and a spring; and the keys that searches find, in room that
+        // grows by doubling.
+        let candidate = 2 * (4 * scalar + 13 + 3 * scalar * lanes) + 40;
+        // State and sums, what they were before; a checkpoint; what is the same for all lanes.
+        let grain = lanes * (40 * scalar + 700) + 1_500;
+        // A copy of a trained pack is struck and listened to.
+        let scenes = if matches!(self, Self::Train(_)) { 2 } else { 1 };
+        let candidates = scenes * candidates(pack, skin) as u64;
+        BESIDES + u64::from(pack.grains) * (candidates * candidate + grain)
     }
+}
+
+/// Candidates per grain that lists reaching by `skin` may hold.
+///
+/// Counted in packs of 512 at skins from 0.05 to 1: spheres 3.6 + 2.8 s; tetrahedra no more than 8 + 20 s/(1 − 𝒪), and where
+/// their spheres almost coincide 50 + 46 s. Overlaps and compression bring grains nearer by s0, taken as 0.15 + δ0.
+fn candidates(pack: &PackSpec, skin: f64) -> f64 {
+    let s = skin + 0.15 + pack.delta0;
+    let counted = match pack.shape {
+        ShapeName::Sphere => 4.0 + 3.0 * s,
+        ShapeName::Tetrahedron => (8.0 + 20.0 * s / (1.0 - pack.overlap)).min(50.0 + 46.0 * s),
+    };
+    1.3 * counted + 1.0
 }
