@@ -51,20 +51,33 @@ pub(super) fn contacts<T: Friction>(beam: &Beam<T>) -> Vec<GrainContact> {
     found
 }
 
-/// 2/ω_max \[s\]: the longest step that is stable, were there no damping, by the sums of stiffness on each body.
-///
-/// Of a grain ω² = (2/m) Σ (k_n + 2 k_t)/3 + (2·(2/3)·2.5/m) Σ k_t; the membrane's bound takes its springs and its
-/// contacts with grains, planes and rods together.
-pub(super) fn critical_time_step<T: Friction>(beam: &Beam<T>, contacts: &[GrainContact]) -> f64 {
+/// The longest stable step \[s\], by the sums of stiffness on each body.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct CriticalTimeStep {
+    /// 2/ω_max: were there no damping.
+    pub(super) undamped: f64,
+    /// Of grains, with the damping of their contacts: the stiffer they are, the more of it is due to that.
+    pub(super) damped: f64,
+}
+
+/// Of a grain ω² = (2/m) Σ (k_n + 2 k_t)/3 + (2·(2/3)·2.5/m) Σ k_t, and with its contacts' damping c = (2/m) Σ c_n/3 its
+/// step Δt is stable while ω² Δt² + 2 c Δt < 4 (`observable::critical_time_step`); the membrane's bound takes its springs and
+/// its contacts with grains, planes and rods together.
+pub(super) fn critical_time_step<T: Friction>(
+    beam: &Beam<T>,
+    contacts: &[GrainContact],
+) -> CriticalTimeStep {
     let casing = &beam.surroundings;
-    let mut of_grains = vec![[0.0; 2]; beam.grains.len()];
+    let mut of_grains = vec![[0.0; 3]; beam.grains.len()];
     // d(K a p)/dp = (3/2) K a.
     let along = 1.5 * beam.laws.material.normal_stiffness;
     let across = beam.laws.tangential.slope();
+    let damping = beam.laws.material.normal_damping;
     for contact in contacts {
         for body in [contact.i, contact.j] {
             of_grains[body][0] += along * contact.radius;
             of_grains[body][1] += across * contact.radius;
+            of_grains[body][2] += damping * contact.radius;
         }
     }
     let grip = &casing.grip;
@@ -76,6 +89,7 @@ pub(super) fn critical_time_step<T: Friction>(beam: &Beam<T>, contacts: &[GrainC
         let across = grip.tangential.stiffness() * radius;
         of_grains[i][0] += along;
         of_grains[i][1] += across;
+        of_grains[i][2] += grip.material.normal_damping * radius;
         holds.extend(touch.shares.iter().map(|&(vertex, weight)| Hold {
             vertex,
             normal: touch.normal,
@@ -97,13 +111,20 @@ pub(super) fn critical_time_step<T: Friction>(beam: &Beam<T>, contacts: &[GrainC
             across: 0.0,
         }));
     }
-    let grain = |(sums, size): (&[f64; 2], &crate::grains::Size)| {
-        let [along, across] = *sums;
-        2.0 * size.inverse_mass * ((along + 2.0 * across) / 3.0 + 5.0 / 3.0 * across)
-    };
-    let fastest = of_grains.iter().zip(beam.grains.sizes()).map(grain);
-    let grains = 2.0 / fastest.fold(0.0, f64::max).sqrt();
-    grains.min(casing.membrane.critical_time_step(&holds))
+    let (mut fastest, mut damped) = (0.0f64, f64::INFINITY);
+    for (&[along, across, damping], size) in of_grains.iter().zip(beam.grains.sizes()) {
+        let twice = 2.0 * size.inverse_mass;
+        let square = twice * ((along + 2.0 * across) / 3.0 + 5.0 / 3.0 * across);
+        let damping = twice * damping / 3.0;
+        fastest = fastest.max(square);
+        // The root of ω² Δt² + 2 c Δt − 4 that keeps its digits.
+        damped = damped.min(4.0 / (damping + (damping * damping + 4.0 * square).sqrt()));
+    }
+    let grains = 2.0 / fastest.sqrt();
+    CriticalTimeStep {
+        undamped: grains.min(casing.membrane.critical_time_step(&holds)),
+        damped,
+    }
 }
 
 /// Kinetic and elastic energy of grains and membrane \[J\].

@@ -1,7 +1,7 @@
 //! What has left the physics: numbers, contacts, places and speeds.
 
 use super::{LOOK_EVERY, Run};
-use crate::beam::probe;
+use crate::beam::probe::{self, CriticalTimeStep};
 use crate::beam::rig::Friction;
 use crate::beam::structure::membrane::Membrane;
 use crate::math::plain;
@@ -16,6 +16,11 @@ const FARTHEST_STEP: f64 = 0.1;
 /// Centers nearer than this have no normal \[R_i + R_j\]: their distance is found as a difference of squares, whose rounding is
 /// that of (R_i + R_j)², so that no digit is left below √ε = 1.5e-8.
 const COINCIDENT: f64 = 1e-7;
+
+/// Where the damping of contacts leaves less than `DAMPING_TELLS` of the critical step, as for grains of a gigapascal and more,
+/// no step is longer than `MOST_OF_DAMPED` of what it leaves: with 0.93 of it E_b was off by 0.9 % there, with 1.05 by 20 %.
+const DAMPING_TELLS: f64 = 0.9;
+const MOST_OF_DAMPED: f64 = 0.8;
 
 /// What to change about a time step.
 pub(super) const SLOWER: &str =
@@ -48,6 +53,10 @@ impl<T: Friction> Run<T> {
         self.contacts = probe::contacts(&self.beam);
         self.look_for_coincident()?;
         let critical = probe::critical_time_step(&self.beam, &self.contacts);
+        let CriticalTimeStep {
+            undamped: critical,
+            damped,
+        } = critical;
         self.critical = self.critical.min(critical);
         if self.fraction >= 1.0 {
             let detail = format!(
@@ -63,7 +72,11 @@ impl<T: Friction> Run<T> {
         if self.step.is_multiple_of(OUTSIDE_EVERY) {
             self.look_for_escaped()?;
         }
-        self.beam.laws.time_step = (self.fraction * critical).min(self.longest_step);
+        let mut longest = self.longest_step.min(self.fraction * critical);
+        if damped < DAMPING_TELLS * critical {
+            longest = longest.min(MOST_OF_DAMPED * damped);
+        }
+        self.beam.laws.time_step = longest;
         Ok(())
     }
 
