@@ -50,17 +50,17 @@ fn spool() -> PathBuf {
 }
 
 impl Args {
-    fn config(&self) -> anyhow::Result<Config> {
+    fn config(&self) -> Config {
         let usual = Config::new(self.threads.unwrap_or_else(all_cores));
         let memory = |gib: u64| (gib << 30) / usual.slots as u64;
-        Ok(Config {
+        Config {
             name: self.name.clone().unwrap_or_else(|| usual.name.clone()),
             memory_bytes: self.memory_gib.map_or(usual.memory_bytes, memory),
             checkpoint_every: Duration::from_secs(self.checkpoint_s),
             spool: Some(self.spool.clone()),
             archive: self.archive.open(),
             ..usual
-        })
+        }
     }
 }
 
@@ -69,7 +69,7 @@ pub(crate) async fn run(args: Args) -> anyhow::Result<Done> {
     log::to_stderr(tracing::Level::INFO);
     let token = args.server.token()?;
     let client = HttpLeaseClient::new(&args.server.server, token.as_deref())?;
-    let config = args.config()?;
+    let config = args.config();
     tracing::info!(
         worker.name = config.name,
         worker.slots = config.slots,

@@ -408,12 +408,11 @@ impl<R: Row> Sink<'_, R> {
     /// Adds what acts on the row's grain to `load`, or notes it.
     #[inline(always)]
     fn act<L: Lane<Row = R>, P: Physics>(&mut self, of: Load<L>, load: &mut Load<L>) {
-        match &mut self.noted {
-            Some(noted) => noted.push::<L, P>(of),
-            None => {
-                load.force = load.force + of.force;
-                load.torque = load.torque + of.torque;
-            }
+        if let Some(noted) = &mut self.noted {
+            noted.push::<L, P>(of);
+        } else {
+            load.force = load.force + of.force;
+            load.torque = load.torque + of.torque;
         }
     }
 }
