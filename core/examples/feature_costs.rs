@@ -2,6 +2,12 @@
 //!
 //! `cargo run --release -p granary-core --example feature_costs`: prints the table of docs/speed.md.
 
+#![allow(
+    clippy::disallowed_methods,
+    clippy::print_stdout,
+    reason = "a program that times the engine and prints"
+)]
+
 use std::time::Instant;
 
 use granary_core::contact::TangentialLaw;
