@@ -23,7 +23,7 @@ fn main() {
     let pack: PackFile =
         serde_json::from_slice(&std::fs::read(&arguments[1]).expect("readable file"))
             .expect("a pack file");
-    let steps = arguments
+    let steps: u64 = arguments
         .get(2)
         .map_or(300, |n| n.parse().expect("a number"));
     for width in VectorWidth::available() {
