@@ -2,7 +2,7 @@
 //!
 //! `cargo run --release -p granary-core --example feature_costs`: prints the table of docs/speed.md.
 
-#![allow(
+#![expect(
     clippy::disallowed_methods,
     clippy::print_stdout,
     reason = "a program that times the engine and prints"
