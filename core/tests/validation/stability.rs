@@ -540,6 +540,7 @@ fn every_cell_is_right_or_stopped_with_a_reason() {
     println!("{text}");
     if std::env::var("ONLY").is_err() {
         let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/stability");
+        std::fs::create_dir_all(&folder).expect("a folder to write to");
         std::fs::write(folder.join("cells.md"), &text).expect("a folder to write to");
         std::fs::write(folder.join("map.svg"), drawn::map(&cells, &found)).expect("a folder");
     }
