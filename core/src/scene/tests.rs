@@ -1,8 +1,6 @@
 //! The threads of a job change no bit.
 
 use super::*;
-use std::time::Duration;
-
 use crate::contact::hooke::Hooke;
 use crate::crew::{Crew, helped};
 use crate::grains::{Motion, Pose, UPRIGHT};
@@ -57,7 +55,7 @@ fn moved<R: Replicas, S: Shape>(
     spacing: f64,
     threads: usize,
 ) -> (Vec<Motion>, Vec<f64>) {
-    let crew = Crew::new(threads, || Duration::ZERO);
+    let crew = Crew::new(threads, Default::default);
     crew.work(|| {
         helped(usize::MAX, || {
             let mut scene = crowd::<R, S>(body.clone(), spacing);
