@@ -26,6 +26,8 @@ pub struct Crew {
 #[derive(Clone, Debug)]
 struct Member {
     crew: Arc<Crew>,
+    /// Threads that its job can have, itself included: none but it where nobody watches for what is shared out.
+    most: usize,
     /// The CPU time of all threads but the one that has the job \[ns\].
     help: Arc<AtomicU64>,
 }
@@ -64,6 +66,7 @@ impl Crew {
         let help = Arc::new(AtomicU64::new(0));
         MEMBER.set(Some(Member {
             crew: Arc::clone(self),
+            most: 1,
             help: Arc::clone(&help),
         }));
         let done = job();
@@ -78,21 +81,26 @@ impl Crew {
 
 /// How many threads the calling thread's job has now.
 pub(crate) fn size() -> usize {
-    MEMBER.with_borrow(|member| member.as_ref().map_or(1, |member| member.crew.share()))
+    MEMBER.with_borrow(|member| {
+        let size = |member: &Member| member.crew.share().min(member.most);
+        member.as_ref().map_or(1, size)
+    })
 }
 
 /// Does `work`, the steps of a job of so many rows, while the other threads of its crew, as far as they have no job, do what steps share out.
 ///
 /// A step is shorter than it takes to wake a thread, so they stay awake between steps.
 pub(crate) fn helped<R: Send>(rows: usize, work: impl FnOnce() -> R + Send) -> R {
-    let member = MEMBER.with_borrow(Clone::clone);
-    let pool = member.as_ref().and_then(|member| {
-        let threads = member.crew.threads.min(rows / LEAST_ROWS);
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
-        (threads > 1).then(|| pool.build().ok()).flatten()
-    });
     // Without others everything is done here, to the same bits.
-    let (Some(pool), Some(member)) = (pool, member) else {
+    let Some(mut member) = MEMBER.with_borrow(Clone::clone) else {
+        return work();
+    };
+    member.most = member.crew.threads.min(rows / LEAST_ROWS);
+    if member.most < 2 {
+        return work();
+    }
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(member.most);
+    let Ok(pool) = pool.build() else {
         return work();
     };
     pool.install(|| {
@@ -189,15 +197,33 @@ mod tests {
     fn who_has_no_job_helps() {
         let crew = Crew::new(4, || Duration::ZERO);
         assert_eq!(size(), 1, "no job");
-        let ((), _) = crew.work(|| {
-            assert_eq!(size(), 4);
-            std::thread::scope(|scope| {
-                let sizes = scope.spawn(|| crew.work(|| (size(), crew.share())).0);
-                assert_eq!(sizes.join().expect("a job"), (2, 2));
+        crew.work(|| {
+            helped(usize::MAX, || {
+                assert_eq!(size(), 4);
+                std::thread::scope(|scope| {
+                    let other = scope.spawn(|| crew.work(|| helped(usize::MAX, size)).0);
+                    assert_eq!(other.join().expect("a job"), 2);
+                });
+                assert_eq!(size(), 4);
             });
-            assert_eq!(size(), 4);
         });
         assert_eq!(size(), 1, "the job has ended");
+    }
+
+    #[test]
+    fn who_watches_for_nothing_is_not_shared_out_to() {
+        let crew = Crew::new(4, || Duration::ZERO);
+        crew.work(|| {
+            assert_eq!(size(), 1, "no steps yet");
+            let caller = std::thread::current().id();
+            helped(2 * LEAST_ROWS - 1, || {
+                assert_eq!(size(), 1, "too few rows");
+                let mut by = [None; 8];
+                each(&mut by, &|by| *by = Some(std::thread::current().id()));
+                assert_eq!(by, [Some(caller); 8]);
+            });
+            assert_eq!(helped(3 * LEAST_ROWS, size), 3, "rows for three");
+        });
     }
 
     #[test]
@@ -205,14 +231,13 @@ mod tests {
         let crew = Crew::new(2, || Duration::ZERO);
         let all = Barrier::new(3);
         let size_of_one = || {
-            let ((at_work, ()), _) = crew.work(|| {
+            let at_work = crew.work(|| {
                 all.wait();
-                let at_work = size();
-                (at_work, {
-                    all.wait();
-                })
+                let at_work = helped(usize::MAX, size);
+                all.wait();
+                at_work
             });
-            at_work
+            at_work.0
         };
         std::thread::scope(|scope| {
             let jobs: Vec<_> = (0..3).map(|_| scope.spawn(size_of_one)).collect();
