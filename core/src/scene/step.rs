@@ -7,12 +7,12 @@
 //! block, and sum what those add there apart; a row's candidates are sorted by the grain that they reach, so these are its last.
 //! Then no block needs anything of another's grains, and all sums are added in the order in which one thread adds them.
 
-use std::ops::Range;
+mod sums;
 
 use crate::contact::{Components, TangentialLaw};
 use crate::force::AffineRate;
 use crate::grains::Grains;
-use crate::lanes::{Kernel, Lane, Mask, Row, dispatch, prefetch};
+use crate::lanes::{Kernel, Lane, Mask, Row, dispatch};
 use crate::math::Vec3;
 use crate::shape::Shape;
 use crate::wall::Walls;
@@ -25,76 +25,13 @@ use super::motion::{
 };
 use super::motions::{Fixed, Motions, MotionsMut};
 use super::{Laws, Physics, Replicas, Scene, Work};
+use sums::{Sink, Sums};
 
 /// Touching pairs that are noted before their forces are found.
 const NOTED: usize = 16;
 
 /// How many candidates ahead the other grain is asked for: about two rows of spheres, one of tetrahedra.
 const AHEAD: usize = 8;
-
-/// Forces and torques, one for each of some grains or contacts.
-#[derive(Clone, Debug, Default)]
-struct Sums<R> {
-    force: Vec<Vec3<R>>,
-    /// Empty where nothing can spin a grain.
-    torque: Vec<Vec3<R>>,
-}
-
-impl<R: Row> Sums<R> {
-    /// Makes them `len` zeros.
-    fn zero<P: Physics>(&mut self, len: usize) {
-        self.force.clear();
-        self.force.resize(len, Vec3::default());
-        self.torque.clear();
-        self.torque
-            .resize(if P::SPINS { len } else { 0 }, Vec3::default());
-    }
-
-    fn lend(&mut self) -> SumsMut<'_, R> {
-        SumsMut {
-            force: &mut self.force,
-            torque: &mut self.torque,
-        }
-    }
-
-    /// Notes one more.
-    #[inline(always)]
-    fn push<L: Lane<Row = R>, P: Physics>(&mut self, of: Load<L>) {
-        let mut row = Vec3::default();
-        of.force.store(&mut row);
-        self.force.push(row);
-        if P::SPINS {
-            of.torque.store(&mut row);
-            self.torque.push(row);
-        }
-    }
-
-    /// Adds some of them to `load`, one after the other.
-    #[inline(always)]
-    fn add_to<L: Lane<Row = R>, P: Physics>(&self, range: Range<usize>, load: &mut Load<L>) {
-        for n in range {
-            load.force = load.force + self.force[n].load();
-            if P::SPINS {
-                load.torque = load.torque + self.torque[n].load();
-            }
-        }
-    }
-}
-
-/// The same, lent.
-struct SumsMut<'a, R> {
-    force: &'a mut [Vec3<R>],
-    torque: &'a mut [Vec3<R>],
-}
-
-impl<R: Row> Divide for SumsMut<'_, R> {
-    fn divide(self, counts: &Counts) -> (Self, Self) {
-        let (force, other_force) = self.force.split_at_mut(counts.rows);
-        let (torque, other_torque) = self.torque.split_at_mut(counts.rows.min(self.torque.len()));
-        let sums = |force, torque| SumsMut { force, torque };
-        (sums(force, torque), sums(other_force, other_torque))
-    }
-}
 
 /// What a step sums.
 #[derive(Clone, Debug)]
@@ -192,7 +129,14 @@ pub(super) fn step<R: Replicas<Work = Loads<R>>, P: Physics>(scene: &mut Scene<R
         let with = (pairs, &mut work.across[..]);
         blocks::each(blocks, with, &|block, (pairs, across)| {
             if let [across] = across {
-                given.run(block, pairs, Part::Across(motions, across));
+                across.beyond.zero::<P>(block.reached_end - block.rows.end);
+                across.here.zero::<P>(0);
+                let sink = Sink {
+                    sums: across.beyond.lend(),
+                    first: block.rows.end,
+                    noted: Some(&mut across.here),
+                };
+                given.run(block, pairs, (sink, Task::Reach(motions)));
             }
         });
     }
@@ -204,19 +148,25 @@ pub(super) fn step<R: Replicas<Work = Loads<R>>, P: Physics>(scene: &mut Scene<R
     };
     let across = &work.across;
     let with = ((pairs, &mut work.left[..]), (motions, sums));
-    blocks::each(blocks, with, &|block, ((pairs, left), (motions, sums))| {
-        if let [left] = left {
-            let before = block.number.checked_sub(1);
-            let own = Own {
-                motions,
-                sums,
-                before: before.map(|before| &across[before].beyond),
-                here: &across[block.number].here,
-                pushes: &mut left.pushes,
-            };
-            left.swept = given.run(block, pairs, Part::Own(own));
-        }
-    });
+    blocks::each(
+        blocks,
+        with,
+        &|block, ((pairs, left), (motions, mut sums))| {
+            if let [left] = left {
+                if let Some(before) = block.number.checked_sub(1) {
+                    sums.start_from(&across[before].beyond);
+                }
+                left.pushes.clear();
+                let sink = Sink {
+                    sums,
+                    first: block.rows.start,
+                    noted: None,
+                };
+                let task = Task::Move(motions, &across[block.number].here, &mut left.pushes);
+                left.swept = given.run(block, pairs, (sink, task));
+            }
+        },
+    );
     walls.bear(work.left.iter().flat_map(|left| &left.pushes));
     work.left.iter().map(|left| left.swept).fold(0.0, farther)
 }
@@ -234,12 +184,18 @@ struct Given<'a, R: Row, P: Physics> {
 }
 
 impl<R: Row, P: Physics> Given<'_, R, P> {
-    fn run(&self, block: &Block, pairs: Pairs<'_, R, P>, part: Part<'_, R>) -> f64 {
+    fn run(
+        &self,
+        block: &Block,
+        pairs: Pairs<'_, R, P>,
+        (sink, task): (Sink<'_, R>, Task<'_, R>),
+    ) -> f64 {
         let rows = Rows {
             given: self,
             block,
             pairs,
-            part,
+            sink,
+            task,
         };
         dispatch::<R, _>(self.laws.width, rows)
     }
@@ -276,143 +232,30 @@ struct Rows<'a, R: Row, P: Physics> {
     given: &'a Given<'a, R, P>,
     block: &'a Block,
     pairs: Pairs<'a, R, P>,
-    part: Part<'a, R>,
+    sink: Sink<'a, R>,
+    task: Task<'a, R>,
 }
 
-/// Which pairs of a block are at hand.
-enum Part<'a, R: Row> {
-    /// Those with a grain of the next block; nothing moves.
-    Across(Motions<'a, R>, &'a mut Across<R>),
-    /// All others, and the motion.
-    Own(Own<'a, R>),
+/// What is to be done with the rows of a block.
+enum Task<'a, R: Row> {
+    /// Pairs with a grain of the next block; nothing moves.
+    Reach(Motions<'a, R>),
+    /// All others, and the motion; with what the pairs with the next block do, in order, and where forces on walls are noted.
+    Move(MotionsMut<'a, R>, &'a Sums<R>, &'a mut Vec<(u8, R)>),
 }
 
-/// All of a block but its pairs with grains of the next.
-struct Own<'a, R> {
-    motions: MotionsMut<'a, R>,
-    sums: SumsMut<'a, R>,
-    /// What the block before has summed on the first grains.
-    before: Option<&'a Sums<R>>,
-    /// What the pairs with grains of the next block do, in order.
-    here: &'a Sums<R>,
-    pushes: &'a mut Vec<(u8, R)>,
-}
-
-impl<'a, R: Row> Part<'a, R> {
-    /// The motions at hand, where pairs add, and, unless nothing moves, what the other pairs do and where walls' forces go.
+impl<R: Row> Task<'_, R> {
+    /// What pairs read.
     #[inline(always)]
-    fn taken<P: Physics>(self, block: &Block) -> (Lent<'a, R>, Sink<'a, R>, Option<Rest<'a, R>>) {
-        match self {
-            Self::Across(motions, across) => {
-                across.beyond.zero::<P>(block.reached_end - block.rows.end);
-                across.here.zero::<P>(0);
-                let sink = Sink {
-                    sums: across.beyond.lend(),
-                    first: block.rows.end,
-                    noted: Some(&mut across.here),
-                };
-                (Lent::Read(motions), sink, None)
-            }
-            Self::Own(Own {
-                motions,
-                sums,
-                before,
-                here,
-                pushes,
-            }) => {
-                if let Some(before) = before {
-                    sums.force[..before.force.len()].copy_from_slice(&before.force);
-                    sums.torque[..before.torque.len()].copy_from_slice(&before.torque);
-                }
-                pushes.clear();
-                let sink = Sink {
-                    sums,
-                    first: block.rows.start,
-                    noted: None,
-                };
-                (Lent::Move(motions), sink, Some((here, pushes)))
-            }
-        }
-    }
-}
-
-/// What pairs with grains of the next block do, in order, and where forces on walls are noted.
-type Rest<'a, R> = (&'a Sums<R>, &'a mut Vec<(u8, R)>);
-
-/// Motions that may be changed or not.
-enum Lent<'a, R: Row> {
-    Read(Motions<'a, R>),
-    Move(MotionsMut<'a, R>),
-}
-
-impl<R: Row> Lent<'_, R> {
-    #[inline(always)]
-    fn read(&self) -> Motions<'_, R> {
-        match self {
-            Self::Read(motions) => *motions,
-            Self::Move(motions) => motions.read(),
-        }
-    }
-}
-
-/// Where pairs add.
-struct Sink<'a, R> {
-    /// On grains of the rows at hand, or of the next block.
-    sums: SumsMut<'a, R>,
-    /// Whose sum comes first.
-    first: usize,
-    /// Where what acts on the grains of the rows at hand is noted pair by pair, if it is not summed.
-    noted: Option<&'a mut Sums<R>>,
-}
-
-impl<R: Row> Sink<'_, R> {
-    /// What has been summed on grain `i` so far; the sums start at zero again.
-    #[inline(always)]
-    fn take<L: Lane<Row = R>, P: Physics>(&mut self, i: usize) -> Load<L> {
-        let i = i - self.first;
-        let force = self.sums.force[i].load();
-        Vec3::<L>::zero().store(&mut self.sums.force[i]);
-        let mut torque = Vec3::zero();
-        if P::SPINS {
-            torque = self.sums.torque[i].load();
-            Vec3::<L>::zero().store(&mut self.sums.torque[i]);
-        }
-        Load { force, torque }
-    }
-
-    /// Asks for the sum on grain `j`, if it is here, ahead of its use.
-    #[inline(always)]
-    fn prefetch<P: Physics>(&self, j: usize) {
-        let j = j.wrapping_sub(self.first);
-        let Some(force) = self.sums.force.get(j) else {
-            return;
+    fn seen<'b>(&'b self, fixed: Fixed<'b, R>, block: &Block) -> Seen<'b, R> {
+        let (motions, first) = match self {
+            Self::Reach(motions) => (*motions, 0),
+            Self::Move(motions, ..) => (motions.read(), block.rows.start),
         };
-        prefetch(force);
-        if P::SPINS {
-            prefetch(&self.sums.torque[j]);
-        }
-    }
-
-    /// Adds the opposite of `force` and `torque` on grain `j`.
-    #[inline(always)]
-    fn react<L: Lane<Row = R>, P: Physics>(&mut self, j: usize, force: Vec3<L>, torque: Vec3<L>) {
-        let j = j - self.first;
-        let sum = &mut self.sums.force[j];
-        (sum.load::<L>() - force).store(sum);
-        if P::SPINS {
-            let sum = &mut self.sums.torque[j];
-            (sum.load::<L>() + torque).store(sum);
-        }
-    }
-
-    /// Adds what acts on the row's grain to `load`, or notes it.
-    #[inline(always)]
-    fn act<L: Lane<Row = R>, P: Physics>(&mut self, of: Load<L>, load: &mut Load<L>) {
-        if let Some(noted) = &mut self.noted {
-            noted.push::<L, P>(of);
-        } else {
-            load.force = load.force + of.force;
-            load.torque = load.torque + of.torque;
+        Seen {
+            fixed,
+            motions,
+            first,
         }
     }
 }
@@ -467,23 +310,25 @@ impl<R: Row, P: Physics> Kernel<R> for Rows<'_, R, P> {
             given,
             block,
             mut pairs,
-            part,
+            mut sink,
+            mut task,
         } = self;
         let constants = Constants::<L, P::Tangential>::new(given.laws);
         let motion = MotionConstants::<L>::new(given.laws);
         let mut fastest = Fastest::none();
         let mut touches = [Touch::<L>::none(); NOTED];
         let tails = &given.tails[block.tails.clone()];
-        let (mut lent, mut sink, mut rest) = part.taken::<P>(block);
-        let rows = match rest {
-            Some(_) => block.rows.len(),
-            None => tails.len(),
-        };
+        let reaching = matches!(task, Task::Reach(_));
         let (mut tails_before, mut added) = (0, 0);
-        for n in 0..rows {
-            let i = match rest {
-                Some(_) => block.rows.start + n,
-                None => tails[n].row as usize,
+        for n in 0..if reaching {
+            tails.len()
+        } else {
+            block.rows.len()
+        } {
+            let i = if reaching {
+                tails[n].row as usize
+            } else {
+                block.rows.start + n
             };
             let here = |start: u32| start as usize - block.candidates.start;
             let (start, end) = (here(given.starts[i]), here(given.starts[i + 1]));
@@ -494,15 +339,12 @@ impl<R: Row, P: Physics> Kernel<R> for Rows<'_, R, P> {
                 tail = here(at.start);
                 tails_before += 1;
             }
-            let seen = Seen {
-                fixed: given.fixed,
-                motions: lent.read(),
-                first: if rest.is_some() { block.rows.start } else { 0 },
-            };
+            let seen = task.seen(given.fixed, block);
             let at = seen.row::<L, P>(i);
-            let (mut load, mut next, last) = match rest {
-                Some(_) => (sink.take::<L, P>(i), start, tail),
-                None => (Load::none(), tail, end),
+            let (mut load, mut next, last) = if reaching {
+                (Load::none(), tail, end)
+            } else {
+                (sink.take::<L, P>(i), start, tail)
             };
             while next < last {
                 let noted = note::<L, P>(
@@ -517,7 +359,7 @@ impl<R: Row, P: Physics> Kernel<R> for Rows<'_, R, P> {
                     act::<L, P>(&constants, &at, touch, &seen, &mut pairs, adding);
                 }
             }
-            let (Lent::Move(motions), Some((across, pushes))) = (&mut lent, &mut rest) else {
+            let Task::Move(motions, across, pushes) = &mut task else {
                 continue;
             };
             let touching = pairs.live[tail..end].iter().filter(|live| **live).count();

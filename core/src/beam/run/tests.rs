@@ -115,11 +115,11 @@ fn energy(run: &Run<Frictionless>) -> f64 {
     probe::energies(&run.beam, &contacts).iter().sum()
 }
 
-/// A light grain squeezed between bottom and top, elastic and smooth, its Δt_crit = 2/√(2k/m), where k = (3/2) K √(R p), and
+/// A light grain squeezed between bottom and top, smooth, elastic where `relaxation_time` is zero, its Δt_crit = 2/√(2k/m), where k = (3/2) K √(R p), and
 /// what its contacts store at rest, 2 (2/5) f p.
-fn squeezed() -> (Beam<Frictionless>, f64, f64) {
+fn squeezed(relaxation_time: f64) -> (Beam<Frictionless>, f64, f64) {
     let spec = GrowSpec {
-        relaxation_time: 0.0,
+        relaxation_time,
         ..spec()
     };
     let (radius, overlap) = (1.02 * HALF, 0.02 * HALF);
@@ -143,7 +143,7 @@ fn squeezed() -> (Beam<Frictionless>, f64, f64) {
 ///
 /// The estimate, √(3/2) times as long, allows all that is below 1.16.
 fn squeezed_run(fraction: f64) -> (Run<Frictionless>, f64) {
-    let (mut beam, critical, stored) = squeezed();
+    let (mut beam, critical, stored) = squeezed(0.0);
     // The contacts with the membrane are known after a step.
     beam.laws.time_step = 1e-3 * critical;
     beam.step();
@@ -175,6 +175,25 @@ fn step_beyond_the_critical_one_that_the_estimate_allows_is_unstable() {
     let (mut run, _) = squeezed_run(1.1);
     let (kind, detail, step) = stop(&mut run, 10_000);
     assert_eq!(kind, "unstable", "{detail} at {step}");
+}
+
+#[test]
+fn damping_limits_the_step_where_contacts_are_stiff() {
+    // Damped over as long as the undamped critical step: c = A ω², as all of the stiffness is along the normals.
+    let relaxation_time = squeezed(0.0).1;
+    let (mut beam, critical, _) = squeezed(relaxation_time);
+    beam.laws.time_step = 1e-3 * critical;
+    beam.step();
+    let found = probe::critical_time_step(&beam, &[]);
+    let square = 4.0 / (found.undamped * found.undamped);
+    let jury = square * found.damped * (found.damped + 2.0 * relaxation_time);
+    assert!((jury / 4.0 - 1.0).abs() < 1e-9, "{jury}");
+    for (fraction, step) in [(0.95, 0.8 * found.damped), (0.1, 0.1 * found.undamped)] {
+        let mut run = run_at(fraction, beam.clone());
+        run.look().expect("sound");
+        let taken = run.beam.laws.time_step;
+        assert!((taken / step - 1.0).abs() < 1e-12, "{taken} for {step}");
+    }
 }
 
 #[test]
