@@ -16,7 +16,7 @@ use granary_core::contact::hooke::Hooke;
 use granary_core::contact::mindlin::{Mindlin, TangentialStiffness};
 use granary_core::force::{AffineDrag, BodyForce};
 use granary_core::grains::{Grains, Pose, Size, UPRIGHT};
-use granary_core::lanes::{F64x1, F64x8, VectorWidth};
+use granary_core::lanes::{F32x16, F64x1, F64x8, VectorWidth};
 use granary_core::material::{Elastic, Material};
 use granary_core::observable::critical_time_step::{Across, critical_time_step};
 use granary_core::observable::observe;
@@ -49,6 +49,7 @@ fn lattice<R: Replicas, S: Shape, T: TangentialLaw, B: BodyForce>(
         tangential,
         body_force,
         time_step: 0.01,
+        rounding: 0.0,
         skin: 0.05,
         width: VectorWidth::widest(),
     };
@@ -81,12 +82,13 @@ fn spheres() -> (Body, f64) {
     (Body::sphere(), 1.99)
 }
 
-/// Tetrahedra, spaced so that their outermost spheres touch.
+/// Tetrahedra, spaced so that each touches its six neighbors with four pairs of spheres, whose centers are askew by `wide`.
 fn tetrahedra() -> (Body, f64) {
     let body = Body::tetrahedron(0.6);
     let farthest = body.arms.iter().map(|arm| arm[0]).fold(0.0, f64::max);
     let nearest = body.arms.iter().map(|arm| arm[0]).fold(0.0, f64::min);
-    let spacing = farthest - nearest + 1.99;
+    let wide = farthest - nearest;
+    let spacing = wide + (1.99f64.powi(2) - wide * wide).sqrt();
     (body, spacing)
 }
 
@@ -237,7 +239,9 @@ fn guard<R: Replicas>(lanes: &str) {
 fn main() {
     compare::<F64x1>("a lone run");
     compare::<F64x8>("eight replicas in f64");
+    compare::<F32x16>("sixteen replicas in f32");
     println!();
     guard::<F64x1>("a lone run");
     guard::<F64x8>("eight replicas in f64");
+    guard::<F32x16>("sixteen replicas in f32");
 }

@@ -28,6 +28,8 @@ pub struct Contact<L> {
     pub normal_force: L,
     /// The time step \[t_c\].
     pub time_step: L,
+    /// How single precision rounds what grows by small parts, see [`crate::lanes::grown`].
+    pub rounding: L,
 }
 
 /// What one contact remembers: a fixed number of components.

@@ -18,6 +18,11 @@ pub use portable::{F32x8, F32x16, F64x1, F64x8};
 
 /// f32 or f64.
 pub trait Scalar: Copy + Debug + Default + PartialOrd + Send + Sync + 'static {
+    /// Whether what thousands of small additions lose would be noticed.
+    const COARSE: bool;
+    /// The distance from 1 to the next number.
+    const EPSILON: f64;
+
     /// Rounds to this type.
     fn from_f64(value: f64) -> Self;
     /// Widens, exactly.
@@ -25,6 +30,9 @@ pub trait Scalar: Copy + Debug + Default + PartialOrd + Send + Sync + 'static {
 }
 
 impl Scalar for f64 {
+    const COARSE: bool = false;
+    const EPSILON: f64 = f64::EPSILON;
+
     #[inline(always)]
     fn from_f64(value: f64) -> Self {
         value
@@ -37,6 +45,9 @@ impl Scalar for f64 {
 }
 
 impl Scalar for f32 {
+    const COARSE: bool = true;
+    const EPSILON: f64 = f32::EPSILON as f64;
+
     #[inline(always)]
     fn from_f64(value: f64) -> Self {
         value as Self
@@ -46,6 +57,29 @@ impl Scalar for f32 {
     fn to_f64(self) -> f64 {
         f64::from(self)
     }
+}
+
+/// `sum + part`, where `part` is by far the smaller, rounded so that a thousand equal parts add up.
+///
+/// Rounding to the nearest errs by the same share of a last digit ε(sum) whenever equal parts are added, so that errors grow with
+/// their number: displacements of 0.1 R that grow for 45,000 steps end off by 10⁻⁴ R, which is all of a small signal.
+/// Here what is left over is rounded up or down by `rounding`, −½ … ½, other at every step: what it is the number of times that
+/// the equidistributed sequence [`rounding`] says, so that errors stay about one ε.
+/// ε is found by going to the next number: sum + 0.50005 ulp is rounded away from zero.
+#[inline(always)]
+pub fn grown<L: Lane>(sum: L, part: L, rounding: L) -> L {
+    let near = sum + part;
+    let left = part - (near - sum);
+    let unit = near.mul_add(L::constant(0.50005 * f64::from(f32::EPSILON)), near) - near;
+    near + unit.mul_add(rounding, left)
+}
+
+/// How step `step` rounds: the golden section's multiples modulo one, which fill the interval most evenly, less a half.
+#[must_use]
+pub fn rounding(step: u64) -> f64 {
+    // 2^64 over the golden number.
+    let part = step.wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    (part >> 11) as f64 / (1u64 << 53) as f64 - 0.5
 }
 
 /// K numbers in memory, one per replica, aligned for whole-vector loads.

@@ -2,7 +2,7 @@
 
 use std::ops::{Add, Sub};
 
-use crate::lanes::{Lane, Row};
+use crate::lanes::{Lane, Mask, Row, Scalar, grown};
 
 /// Three components; in memory over rows, in registers over lanes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -201,6 +201,17 @@ impl<L: Lane> Vec3<L> {
         }
     }
 
+    /// `self + part` for a small part, as [`grown`] says.
+    #[inline(always)]
+    #[must_use]
+    pub fn grown(self, part: Self, rounding: L) -> Self {
+        Self {
+            x: grown(self.x, part.x, rounding),
+            y: grown(self.y, part.y, rounding),
+            z: grown(self.z, part.z, rounding),
+        }
+    }
+
     /// `self` where `mask`, else `other`.
     #[inline(always)]
     #[must_use]
@@ -284,20 +295,36 @@ impl<L: Lane> Quaternion<L> {
     /// 1e-3 at one radian a step, to rounding below 0.01.
     #[inline(always)]
     #[must_use]
-    pub fn turned(self, turn: Vec3<L>) -> Self {
+    pub fn turned(self, turn: Vec3<L>, rounding: L) -> Self {
         let half = turn.scale(L::constant(0.5));
         let square = half.dot(half);
         let series = square.mul_add(L::constant(2.0 / 15.0), L::constant(1.0 / 3.0));
         let tangent = half.scale(series.mul_add(square, L::constant(1.0)));
         let w = self.w - tangent.dot(self.v);
-        let v = tangent.cross_add(self.v, tangent.scale_add(self.w, self.v));
-        let over = v.dot(v) + w.mul_add(w, L::constant(-1.0));
+        let v = if L::Scalar::COARSE {
+            let change = tangent.cross_add(self.v, tangent.scale(self.w));
+            self.v.grown(change, rounding)
+        } else {
+            tangent.cross_add(self.v, tangent.scale_add(self.w, self.v))
+        };
+        let square = v.dot(v);
+        let over = square + w.mul_add(w, L::constant(-1.0));
         let series = over.mul_add(L::constant(-0.3125), L::constant(0.375));
         let series = series.mul_add(over, L::constant(-0.5));
         let inverse_length = series.mul_add(over, L::constant(1.0));
-        Self {
+        let unit = Self {
             w: w * inverse_length,
             v: v.scale(inverse_length),
+        };
+        if !L::Scalar::COARSE {
+            return unit;
+        }
+        // Near 1, w has no digits for small turns, and a length corrected by them would shrink v at every step.
+        let rest = L::constant(1.0) - square;
+        let small = L::constant(0.5).lt(rest).and(L::constant(0.0).lt(w));
+        Self {
+            w: rest.max(L::constant(0.0)).sqrt().select(small, unit.w),
+            v: v.select(small, unit.v),
         }
     }
 }
@@ -385,7 +412,7 @@ mod tests {
             v: vector([0.0; 3]),
         };
         for _ in 0..1000 {
-            q = q.turned(vector(plain::scale(axis, 1.2e-3)));
+            q = q.turned(vector(plain::scale(axis, 1.2e-3)), F64x1([0.0]));
         }
         let expected = [
             0.6f64.cos(),

@@ -1,6 +1,6 @@
 //! Stages: pure units of work, named by their content.
 //!
-//! A stage's outcome is a function of its spec alone (and of its experiment's version in [`crate::physics`], which its identity holds).
+//! A stage's outcome is a function of its spec alone (and of its kind's version in [`crate::physics`], which its identity holds).
 //! Stages that ask the same packing the same kind of question run side by side, as the lanes of one ensemble.
 
 use serde::{Deserialize, Serialize};
@@ -51,11 +51,12 @@ impl StageKind {
         Self::Bend,
     ];
 
-    /// The physics version of its experiment, which enters its identity.
+    /// The physics version of its outcomes, which enters its identity.
     #[must_use]
     pub fn physics(self) -> u32 {
         match self {
-            Self::Pack | Self::Train | Self::Recall => physics::MEMORY,
+            Self::Pack | Self::Train => physics::MEMORY,
+            Self::Recall => physics::RECALL,
             Self::Grow | Self::Jam | Self::Bend => physics::BEAM,
         }
     }

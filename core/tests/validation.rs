@@ -66,7 +66,11 @@ fn score(point: &MemoryPoint, packed: &Outcome) -> (f64, f64) {
     let mut dots = Dots::default();
     for (signal, waveform) in signals.iter().zip(&waveforms).skip(1) {
         let p = Processing::Sub0.apply(signal, Some(&signals[0]));
-        dots += Dots::of(&p.expect("complete signals"), &waveform.bumps());
+        dots += Dots::of(
+            &p.expect("complete signals"),
+            &waveform.bumps(),
+            signal.resolution,
+        );
     }
     let score = Score::of(&dots, point.youngs_modulus, point.delta0, point.gamma0);
     let gain = score.gain_e_delta0.expect("a gain") / 1000.0;

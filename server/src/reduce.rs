@@ -116,6 +116,7 @@ fn scored(set: Collected, processing: Processing) -> SetRow {
         ("gain_e_delta0", score.gain_e_delta0),
         ("fidelity", score.fidelity),
         ("correlation", score.correlation),
+        ("rounding_error", score.rounding_error),
     ];
     SetRow {
         set: 0,

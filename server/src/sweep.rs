@@ -18,6 +18,7 @@ use std::collections::BTreeMap;
 use granary_api::problem::Mistake;
 use granary_core::model::Model;
 use granary_core::parameter::shown;
+use granary_core::stage::StageKind;
 use serde::Serialize;
 use serde_json::{Map, Value};
 
@@ -185,14 +186,23 @@ impl Plan {
         self.reductions.iter().any(Reduction::needs_zero)
     }
 
-    /// What makes two sweeps the same: everything but the priority, after defaults.
+    /// What makes two sweeps the same: everything but the priority, after defaults, and the physics that computes it.
+    #[must_use]
+    pub fn identity(&self) -> [u8; 32] {
+        let of_model = |kind: &StageKind| Model::of(*kind) == self.model;
+        let kinds = StageKind::ALL.into_iter().filter(of_model);
+        self.identity_with(&kinds.map(StageKind::physics).collect::<Vec<u32>>())
+    }
+
+    /// The identity where the model's stages are of the versions `physics`.
     ///
     /// # Panics
     /// Never: a plan is plain data, and hashing does not fail.
     #[must_use]
-    pub fn identity(&self) -> [u8; 32] {
+    pub fn identity_with(&self, physics: &[u32]) -> [u8; 32] {
         #[derive(Serialize)]
         struct Identity<'a> {
+            physics: &'a [u32],
             name: &'a str,
             model: Model,
             preset: &'a str,
@@ -220,6 +230,7 @@ impl Plan {
             .collect();
         let accuracy = self.accuracy.as_ref();
         let identity = Identity {
+            physics,
             name: &self.name,
             model: self.model,
             preset: &self.preset,
@@ -227,7 +238,7 @@ impl Plan {
             grids,
             reductions: &self.reductions,
             accuracy: accuracy.map(|accuracy| accuracy.targets.as_slice()),
-            pilot: accuracy.map(|accuracy| accuracy.pilot.identity()),
+            pilot: accuracy.map(|accuracy| accuracy.pilot.identity_with(physics)),
         };
         let mut hasher = blake3::Hasher::new();
         serde_json::to_writer(&mut hasher, &identity).expect("plain data, and hashing never fails");

@@ -25,6 +25,20 @@ pub(super) fn carried<L: Lane>(elongation: Vec3<L>, normal: Vec3<L>) -> Vec3<L> 
 /// (Beams keep the other: their outcomes are those of its bits.)
 #[inline(always)]
 pub(super) fn turned<L: Lane>(elongation: Vec3<L>, normal: Vec3<L>) -> Vec3<L> {
+    let (projected, _, longer) = by_series(elongation, normal);
+    projected.scale_add(longer, projected)
+}
+
+/// What [`turned`] changes, to be added with care where digits are few.
+#[inline(always)]
+pub(super) fn turn<L: Lane>(elongation: Vec3<L>, normal: Vec3<L>) -> Vec3<L> {
+    let (projected, out_of_plane, longer) = by_series(elongation, normal);
+    normal.scale_sub(out_of_plane, projected.scale(longer))
+}
+
+/// The spring in the plane, what of it is out of the plane, and by which share the one in the plane is too short.
+#[inline(always)]
+fn by_series<L: Lane>(elongation: Vec3<L>, normal: Vec3<L>) -> (Vec3<L>, L, L) {
     let tiny = L::constant(1e-35);
     let inverse_square = L::constant(1.0) / elongation.dot(elongation).max(tiny);
     let out_of_plane = elongation.dot(normal);
@@ -32,5 +46,5 @@ pub(super) fn turned<L: Lane>(elongation: Vec3<L>, normal: Vec3<L>) -> Vec3<L> {
     let t = out_of_plane * out_of_plane * inverse_square;
     let series = t.mul_add(L::constant(0.3125), L::constant(0.375));
     let series = series.mul_add(t, L::constant(0.5));
-    projected.scale_add(series * t, projected)
+    (projected, out_of_plane, series * t)
 }

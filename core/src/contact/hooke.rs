@@ -4,9 +4,9 @@
 //! Otherwise it is scaled to the limit, and ξ is set so that elastic and damping force together equal it (Luding 2008).
 //! Apart from the damping this is the law of Cundall and Strack.
 
-use super::elongation::turned;
+use super::elongation::{turn, turned};
 use super::{Contact, TangentialLaw};
-use crate::lanes::{Lane, Mask};
+use crate::lanes::{Lane, Mask, Scalar};
 use crate::math::Vec3;
 
 /// Law H.
@@ -52,9 +52,14 @@ impl TangentialLaw for Hooke {
         history: &mut [L; 3],
     ) -> Vec3<L> {
         let [x, y, z] = *history;
-        let turned = turned(Vec3 { x, y, z }, contact.normal);
+        let before = Vec3 { x, y, z };
         let sliding = contact.sliding_velocity;
-        let elongation = sliding.scale_add(contact.time_step, turned);
+        let elongation = if L::Scalar::COARSE {
+            let change = sliding.scale_add(contact.time_step, turn(before, contact.normal));
+            before.grown(change, contact.rounding)
+        } else {
+            sliding.scale_add(contact.time_step, turned(before, contact.normal))
+        };
         // The force on `i` opposes the path of `i`.
         let trial = elongation.scale_sub(law.stiffness, sliding.scale(-law.damping));
 
@@ -103,6 +108,7 @@ mod tests {
             reduced_mass: F64x1([2.0]),
             normal_force: F64x1([normal_force]),
             time_step: F64x1([0.1]),
+            rounding: F64x1([0.0]),
         }
     }
 

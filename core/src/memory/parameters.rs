@@ -34,8 +34,7 @@ pub const PRESETS: &[Preset] = &[
     },
 ];
 
-/// The least γ0 that single precision sees: there it moves 𝓕 by 0.004 and 𝒢 by 2 %, at a tenth of it 𝓕 by 0.13
-/// (docs/accuracy.md).
+/// The least γ0 that single precision sees: there it moves 𝒢 by 5 to 15 % in packs of 64 (docs/accuracy.md).
 pub(super) const LEAST_SINGLE_GAMMA0: f64 = 1e-5;
 
 /// Rules between parameters; the first of each is the one to change.

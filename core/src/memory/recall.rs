@@ -15,6 +15,7 @@ use super::waveform::{SAMPLES, sample_u};
 use super::{hold_steps, ramp_steps};
 use crate::grains::Grains;
 use crate::identity::canonical_json;
+use crate::lanes::Scalar;
 use crate::observable::critical_time_step::{CriticalTimeStep, critical_time_step};
 use crate::outcome::{HISTORY, Outcome, Progress, SIGNAL, StageFailure};
 use crate::scene::{Physics, Replicas, Scene};
@@ -214,6 +215,7 @@ fn outcome<R: Replicas, P: Physics>(
         encode: in_pascal(p_xy(ENCODE)),
         decode: in_pascal(p_xy(DECODE)),
         second_decode: in_pascal(p_xy(SECOND_DECODE)),
+        resolution: R::Scalar::EPSILON * mean_pressure(&series[DECODE]) * past.pack.youngs_modulus,
     };
     let mut results = BTreeMap::new();
     results.insert(
@@ -245,6 +247,12 @@ fn outcome<R: Replicas, P: Physics>(
         warnings: warning.into_iter().collect(),
         steps: drive.cycle.steps(),
     }
+}
+
+/// The mean of p_x and p_y over all samples \[E\].
+fn mean_pressure(samples: &[Sample]) -> f64 {
+    let both = samples.iter().map(|s| s.pressure[0] + s.pressure[1]);
+    both.sum::<f64>() / (2 * samples.len().max(1)) as f64
 }
 
 /// Correlation of the encode response with I(u): how quasi-static the encoding was (docs/choices.md §4).

@@ -38,6 +38,11 @@ pub const RESULTS: &[Quantity] = &[
         "Correlation of what comes back with the stored waveform; its sign is the gain's.",
     ),
     Quantity::new(
+        "rounding_error",
+        ("ρ", ""),
+        "What a last digit of a pressure is of the recalled signals: rounding may move 𝒢 by ρ/|C| of itself, and 𝓕 by ρ; from 0.1 on there is no score.",
+    ),
+    Quantity::new(
         "encode_correlation",
         ("C_enc", ""),
         "Correlation of the shear stress with the waveform while it is stored.",

@@ -17,6 +17,8 @@ pub struct Signal {
     pub decode: Vec<f64>,
     /// During the decompression of the second cycle, which carries no waveform; empty if there was none.
     pub second_decode: Vec<f64>,
+    /// What a last digit is worth \[Pa\]: the mean of p_x and p_y while the pack is decompressed, times ε of the number type.
+    pub resolution: f64,
 }
 
 /// How a recalled signal is freed from the pack's own asymmetry.
@@ -92,17 +94,20 @@ pub struct Dots {
     pub j_j: f64,
     /// p·p \[Pa²\].
     pub p_p: f64,
+    /// What p·p would be of a signal of one last digit \[Pa²\].
+    pub lost: f64,
 }
 
 impl Dots {
-    /// The dot products of a processed signal with the J of its waveform.
+    /// The dot products of a processed signal with the J of its waveform; `resolution` is that of [`Signal`].
     #[must_use]
-    pub fn of(p_sig: &[f64], bumps: &Bumps) -> Self {
+    pub fn of(p_sig: &[f64], bumps: &Bumps, resolution: f64) -> Self {
         let j: Vec<f64> = (0..SAMPLES).map(|k| bumps.integral(sample_u(k))).collect();
         Self {
             j_p: trapezoid(&j, p_sig),
             j_j: trapezoid(&j, &j),
             p_p: trapezoid(p_sig, p_sig),
+            lost: resolution * resolution,
         }
     }
 }
@@ -112,6 +117,7 @@ impl std::ops::AddAssign for Dots {
         self.j_p += other.j_p;
         self.j_j += other.j_j;
         self.p_p += other.p_p;
+        self.lost += other.lost;
     }
 }
 
@@ -136,12 +142,29 @@ pub struct Score {
     pub fidelity: Option<f64>,
     /// C = J·p/√(J·J p·p): the fidelity with the sign of the gain.
     pub correlation: Option<f64>,
+    /// What a last digit of a pressure is of the recalled signals: rounding may move 𝒢 by that over |C| of itself, and 𝓕 by that.
+    ///
+    /// Single precision moved 𝒢 by no more in packs of 64 and 1,024 at γ0 = 10⁻³ … 10⁻⁵ (docs/accuracy.md).
+    pub rounding_error: Option<f64>,
 }
+
+/// Signals that rounding may move by more than this share of themselves have no score.
+const MOST_ROUNDING: f64 = 0.1;
 
 impl Score {
     /// Scores the summed dot products of a set; `youngs_modulus` in Pa.
     #[must_use]
     pub fn of(dots: &Dots, youngs_modulus: f64, delta0: f64, gamma0: f64) -> Self {
+        let rounding_error = (dots.p_p > 0.0).then(|| (dots.lost / dots.p_p).sqrt());
+        if rounding_error > Some(MOST_ROUNDING) {
+            return Self {
+                gain: None,
+                gain_e_delta0: None,
+                fidelity: None,
+                correlation: None,
+                rounding_error,
+            };
+        }
         let has_waveform = dots.j_j > 0.0;
         let correlation = (has_waveform && dots.p_p > 0.0)
             .then(|| (dots.j_p / (dots.j_j.sqrt() * dots.p_p.sqrt())).clamp(-1.0, 1.0));
@@ -151,6 +174,7 @@ impl Score {
             gain_e_delta0: per_strain,
             fidelity: correlation.map(|c| 1.0 - (1.0 - c * c).max(0.0).sqrt()),
             correlation,
+            rounding_error,
         }
     }
 
@@ -161,6 +185,10 @@ impl Score {
             Some("the waveforms are all zero (J·J = 0)")
         } else if dots.p_p <= 0.0 {
             Some("nothing was recalled (p·p = 0)")
+        } else if dots.lost > MOST_ROUNDING * MOST_ROUNDING * dots.p_p {
+            Some(
+                "what was recalled is less than ten last digits of the pressures: use precision = \"f64\", or a larger gamma0",
+            )
         } else {
             None
         }
@@ -187,6 +215,7 @@ mod tests {
             encode: vec![],
             decode,
             second_decode: background,
+            resolution: 0.0,
         }
     }
 
@@ -204,7 +233,7 @@ mod tests {
                 .map(|(k, j)| 2.0 * j + 0.02 * (k as f64 * 0.1).sin())
                 .collect();
             let p_sig = Processing::Sub2.apply(&recall(&p), None).expect("complete");
-            dots += Dots::of(&p_sig, &Waveform::Six(s).bumps());
+            dots += Dots::of(&p_sig, &Waveform::Six(s).bumps(), 0.0);
             sets.push((j, p));
         }
         let score = Score::of(&dots, e, delta0, gamma0);
@@ -223,18 +252,32 @@ mod tests {
 
     #[test]
     fn zero_recall_and_zero_waveform_give_no_fidelity() {
-        let silent = Dots::of(&[0.0; SAMPLES], &Waveform::Six(1).bumps());
+        let silent = Dots::of(&[0.0; SAMPLES], &Waveform::Six(1).bumps(), 0.0);
         assert_eq!(Score::of(&silent, 1.0, 0.05, 1e-3).fidelity, None);
         assert!(Score::missing_reason(&silent).is_some());
-        let zero = Dots::of(&[1.0; SAMPLES], &Waveform::Zero.bumps());
+        let zero = Dots::of(&[1.0; SAMPLES], &Waveform::Zero.bumps(), 0.0);
         assert_eq!(Score::of(&zero, 1.0, 0.05, 1e-3).gain, None);
+    }
+
+    #[test]
+    fn signals_of_a_few_last_digits_have_no_score_but_a_reason() {
+        let p = j_of(1);
+        let size = trapezoid(&p, &p).sqrt();
+        let of = |resolution: f64| Dots::of(&p, &Waveform::Six(1).bumps(), resolution * size);
+        let fine = Score::of(&of(0.02), 1.0, 0.05, 1e-3);
+        assert!((fine.rounding_error.expect("recalled") - 0.02).abs() < 1e-12);
+        assert!(fine.gain.is_some() && Score::missing_reason(&of(0.02)).is_none());
+        let coarse = Score::of(&of(0.2), 1.0, 0.05, 1e-3);
+        assert!((coarse.rounding_error.expect("recalled") - 0.2).abs() < 1e-12);
+        assert_eq!((coarse.gain, coarse.fidelity), (None, None));
+        assert!(Score::missing_reason(&of(0.2)).is_some());
     }
 
     #[test]
     fn perfect_recall_of_either_sign_has_fidelity_one() {
         for sign in [1.0, -1.0] {
             let p: Vec<f64> = j_of(5).iter().map(|j| sign * 3.0 * j).collect();
-            let score = Score::of(&Dots::of(&p, &Waveform::Six(5).bumps()), 1.0, 1.0, 1.0);
+            let score = Score::of(&Dots::of(&p, &Waveform::Six(5).bumps(), 0.0), 1.0, 1.0, 1.0);
             // 𝓕 = 1 − √(1 − C²) turns a rounding error of 1e-16 in C² into 1e-8.
             assert!((score.fidelity.expect("recalled") - 1.0).abs() < 1e-7);
             assert!((score.correlation.expect("recalled") - sign).abs() < 1e-15);

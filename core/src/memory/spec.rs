@@ -207,10 +207,10 @@ impl MemoryPoint {
                 self.gamma0, self.delta0
             ));
         }
-        if self.precision == Precision::F32 && self.gamma0 < 1e-4 && self.waveform != Waveform::Zero
+        if self.precision == Precision::F32 && self.gamma0 < 5e-4 && self.waveform != Waveform::Zero
         {
             warnings.push(format!(
-                "gamma0 = {:?} in single precision: rounding moves a gain by 0.1 % at 1e-4 and 2 % at 1e-5; use f64",
+                "gamma0 = {:?} in single precision: rounding moves a gain by 0.1 % at 1e-3 and 1 % at 1e-4 in small packs; use f64",
                 self.gamma0
             ));
         }

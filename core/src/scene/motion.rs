@@ -20,6 +20,7 @@ pub(super) struct MotionConstants<L> {
     wall_stiffness: L,
     wall_damping: L,
     time_step: L,
+    rounding: L,
     inverse_mass: L,
     inverse_inertia: L,
 }
@@ -31,6 +32,7 @@ impl<L: Lane> MotionConstants<L> {
             wall_stiffness: L::constant(laws.material.wall_stiffness),
             wall_damping: L::constant(laws.material.wall_damping),
             time_step: L::constant(laws.time_step),
+            rounding: L::constant(laws.rounding),
             inverse_mass: L::constant(1.0 / laws.body.mass),
             inverse_inertia: L::constant(1.0 / laws.body.inertia),
         }
@@ -297,9 +299,13 @@ pub(super) fn advance<L: Lane, P: Physics>(
         load.force.scale(constants.inverse_mass),
     );
     to.velocity = acceleration.scale_add(constants.time_step, from.velocity);
-    to.displacement = to
-        .velocity
-        .scale_add(constants.time_step, from.displacement);
+    to.displacement = if L::Scalar::COARSE {
+        let path = to.velocity.scale(constants.time_step);
+        from.displacement.grown(path, constants.rounding)
+    } else {
+        to.velocity
+            .scale_add(constants.time_step, from.displacement)
+    };
     // `max` keeps its second argument where the first is not a number, so a square that is none must come second.
     fastest.speed = fastest.speed.max(to.velocity.dot(to.velocity));
     if P::SPINS {
@@ -307,7 +313,8 @@ pub(super) fn advance<L: Lane, P: Physics>(
             body_force.angular(from.spin, load.torque.scale(constants.inverse_inertia));
         to.spin = acceleration.scale_add(constants.time_step, from.spin);
         if P::ORIENTED {
-            to.turn = from.turn.turned(to.spin.scale(constants.time_step));
+            let turn = to.spin.scale(constants.time_step);
+            to.turn = from.turn.turned(turn, constants.rounding);
             fastest.spin = fastest.spin.max(to.spin.dot(to.spin));
         }
     }

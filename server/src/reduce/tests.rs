@@ -22,6 +22,7 @@ fn recalled(gain_e_delta0: f64) -> Dots {
         j_p: p,
         j_j: 1.0,
         p_p: p * p,
+        lost: 0.0,
     }
 }
 

@@ -1,5 +1,6 @@
 //! Specs: what the accepted forms mean.
 
+use granary_core::stage::StageKind;
 use granary_server::sweep::expansion::Expansion;
 use granary_server::sweep::{Limits, Plan};
 use serde_json::{Value, json};
@@ -144,6 +145,16 @@ fn whole_reals_and_key_order_of_sections_do_not_make_another_sweep() {
     assert_eq!(one.identity(), two.identity());
     let three = plan(&json!({"model": "memory", "fixed": {"grains": 11, "delta0": 0.1}}));
     assert_ne!(one.identity(), three.identity());
+}
+
+#[test]
+fn another_physics_makes_another_sweep() {
+    // Else a data directory would answer with what an older engine computed.
+    let sweep = plan(&json!({"model": "memory", "fixed": {"grains": 10}}));
+    let now = [StageKind::Pack, StageKind::Train, StageKind::Recall].map(StageKind::physics);
+    assert_eq!(sweep.identity(), sweep.identity_with(&now));
+    let later = [now[0], now[1], now[2] + 1];
+    assert_ne!(sweep.identity(), sweep.identity_with(&later));
 }
 
 #[test]

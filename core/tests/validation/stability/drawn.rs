@@ -2,7 +2,8 @@
 
 use std::fmt::Write as _;
 
-use super::{Cell, Found};
+use super::cells::Cell;
+use super::{Found, Verdict};
 
 const ROW: f64 = 15.0;
 const LEFT: f64 = 260.0;
@@ -10,7 +11,8 @@ const WIDTH: f64 = 420.0;
 /// Ends of the axis, decades of t_c.
 const DECADES: [f64; 2] = [-2.0, 2.0];
 
-/// One row for each cell that departs in one factor, one dot for each corner; green is right, gray stopped, red neither.
+/// One row for each cell that departs in one factor, one dot for each corner; green is right, yellow off by less than packings
+/// differ, gray stopped, red none of these.
 pub(super) fn map(cells: &[Cell], found: &[Found]) -> String {
     let x = |critical: f64| {
         let share = (critical.log10() - DECADES[0]) / (DECADES[1] - DECADES[0]);
@@ -48,10 +50,10 @@ pub(super) fn map(cells: &[Cell], found: &[Found]) -> String {
         };
         let dot = match found {
             Found::Measured(m) => {
-                let color = if m.is_right(cell.beam) {
-                    "#2a7f3f"
-                } else {
-                    "#c0281c"
+                let color = match m.verdict() {
+                    Verdict::Right => "#2a7f3f",
+                    Verdict::Scattered => "#c79a1e",
+                    Verdict::Off => "#c0281c",
                 };
                 format!(
                     "<circle cx=\"{:.1}\" cy=\"{:.1}\" r=\"4\" fill=\"{color}\"/>",
