@@ -49,7 +49,7 @@ fn lattice<R: Replicas, S: Shape, T: TangentialLaw, B: BodyForce>(
         tangential,
         body_force,
         time_step: 0.01,
-        rounding: 0.0,
+        dither: 0.0,
         skin: 0.05,
         width: VectorWidth::widest(),
     };

@@ -210,7 +210,7 @@ fn scene<R: Replicas, S: Shape>(pack: &PackFile, settings: &Settings) -> Option<
         tangential: friction(&pack.units()),
         body_force: (),
         time_step: settings.time_step,
-        rounding: 0.0,
+        dither: 0.0,
         skin: settings.skin,
         width: settings.width,
     };

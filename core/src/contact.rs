@@ -29,7 +29,7 @@ pub struct Contact<L> {
     /// The time step \[t_c\].
     pub time_step: L,
     /// How single precision rounds what grows by small parts, see [`crate::lanes::grown`].
-    pub rounding: L,
+    pub dither: L,
 }
 
 /// What one contact remembers: a fixed number of components.

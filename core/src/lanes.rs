@@ -61,24 +61,23 @@ impl Scalar for f32 {
 
 /// `sum + part`, where `part` is by far the smaller, rounded so that a thousand equal parts add up.
 ///
-/// Rounding to the nearest errs by the same share of a last digit ε(sum) whenever equal parts are added, so that errors grow with
-/// their number: displacements of 0.1 R that grow for 45,000 steps end off by 10⁻⁴ R, which is all of a small signal.
-/// Here what is left over is rounded up or down by `rounding`, −½ … ½, other at every step: what it is the number of times that
-/// the equidistributed sequence [`rounding`] says, so that errors stay about one ε.
-/// ε is found by going to the next number: sum + 0.50005 ulp is rounded away from zero.
+/// Rounding to the nearest errs by the same share of a last digit whenever equal parts are added, so that errors grow with their
+/// number: displacements of 0.1 R that grow for 45,000 steps end off by 10⁻⁴ R, which is all of a small signal.
+/// Here `dither` last digits of the sum are added first, −½ … ½, other at every step: the sum is rounded up as often as the
+/// equidistributed sequence [`dither`] says, and errors stay about one last digit.
+/// That digit is found by going to the next number: sum + 0.50005 ulp is rounded away from zero.
 #[inline(always)]
-pub fn grown<L: Lane>(sum: L, part: L, rounding: L) -> L {
-    let near = sum + part;
-    let left = part - (near - sum);
-    let unit = near.mul_add(L::constant(0.50005 * f64::from(f32::EPSILON)), near) - near;
-    near + unit.mul_add(rounding, left)
+pub fn grown<L: Lane>(sum: L, part: L, dither: L) -> L {
+    let digit = sum.mul_add(L::constant(0.50005 * f64::from(f32::EPSILON)), sum) - sum;
+    sum + digit.mul_add(dither, part)
 }
 
-/// How step `step` rounds: the golden section's multiples modulo one, which fill the interval most evenly, less a half.
+/// What step `step` adds before it rounds: multiples of the golden section modulo one, which fill the interval most evenly,
+/// less a half.
 #[must_use]
-pub fn rounding(step: u64) -> f64 {
-    // 2^64 over the golden number.
-    let part = step.wrapping_mul(0x9e37_79b9_7f4a_7c15);
+pub fn dither(step: u64) -> f64 {
+    // 2^64 over the golden number; the first is not the end of the interval.
+    let part = (step + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
     (part >> 11) as f64 / (1u64 << 53) as f64 - 0.5
 }
 

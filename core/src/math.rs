@@ -204,11 +204,11 @@ impl<L: Lane> Vec3<L> {
     /// `self + part` for a small part, as [`grown`] says.
     #[inline(always)]
     #[must_use]
-    pub fn grown(self, part: Self, rounding: L) -> Self {
+    pub fn grown(self, part: Self, dither: L) -> Self {
         Self {
-            x: grown(self.x, part.x, rounding),
-            y: grown(self.y, part.y, rounding),
-            z: grown(self.z, part.z, rounding),
+            x: grown(self.x, part.x, dither),
+            y: grown(self.y, part.y, dither),
+            z: grown(self.z, part.z, dither),
         }
     }
 
@@ -295,7 +295,7 @@ impl<L: Lane> Quaternion<L> {
     /// 1e-3 at one radian a step, to rounding below 0.01.
     #[inline(always)]
     #[must_use]
-    pub fn turned(self, turn: Vec3<L>, rounding: L) -> Self {
+    pub fn turned(self, turn: Vec3<L>, dither: L) -> Self {
         let half = turn.scale(L::constant(0.5));
         let square = half.dot(half);
         let series = square.mul_add(L::constant(2.0 / 15.0), L::constant(1.0 / 3.0));
@@ -303,7 +303,7 @@ impl<L: Lane> Quaternion<L> {
         let w = self.w - tangent.dot(self.v);
         let v = if L::Scalar::COARSE {
             let change = tangent.cross_add(self.v, tangent.scale(self.w));
-            self.v.grown(change, rounding)
+            self.v.grown(change, dither)
         } else {
             tangent.cross_add(self.v, tangent.scale_add(self.w, self.v))
         };

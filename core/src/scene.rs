@@ -81,8 +81,8 @@ pub struct Laws<P: Physics> {
     pub body_force: P::Body,
     /// \[t_c\].
     pub time_step: f64,
-    /// How single precision rounds in the next step: [`crate::lanes::rounding`], or 0 for the nearest number.
-    pub rounding: f64,
+    /// How single precision rounds in the next step: [`crate::lanes::dither`], or 0 for the nearest number.
+    pub dither: f64,
     /// How far beyond touching the list of candidates reaches at least \[R\].
     pub skin: f64,
     /// The vector instructions to use.

@@ -32,7 +32,7 @@ fn laws(time_step: f64, width: VectorWidth) -> Laws<Spheres> {
         tangential: Mindlin::new(pair, TangentialStiffness::Paper, 0.3, 0.3),
         body_force: (),
         time_step,
-        rounding: 0.0,
+        dither: 0.0,
         skin: 2e-4,
         width,
     }

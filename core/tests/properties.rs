@@ -279,7 +279,7 @@ fn pulls<T: TangentialLaw>(
             reduced_mass: F64x1([2.0]),
             normal_force: F64x1([normal_force]),
             time_step: F64x1([1.0]),
-            rounding: F64x1([0.0]),
+            dither: F64x1([0.0]),
         };
         T::force(&law.constants(), &contact, &mut history).lane(0)
     };

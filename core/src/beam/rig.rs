@@ -91,7 +91,7 @@ impl Rig<'_> {
             tangential: T::between(pair, self.jam, self.friction_coefficient),
             body_force: AffineDrag { rate: self.damping },
             time_step: 0.0,
-            rounding: 0.0,
+            dither: 0.0,
             skin: SKIN * self.grow.radius_min,
             width: self.width,
         }

@@ -56,7 +56,7 @@ impl TangentialLaw for Hooke {
         let sliding = contact.sliding_velocity;
         let elongation = if L::Scalar::COARSE {
             let change = sliding.scale_add(contact.time_step, turn(before, contact.normal));
-            before.grown(change, contact.rounding)
+            before.grown(change, contact.dither)
         } else {
             sliding.scale_add(contact.time_step, turned(before, contact.normal))
         };
@@ -108,7 +108,7 @@ mod tests {
             reduced_mass: F64x1([2.0]),
             normal_force: F64x1([normal_force]),
             time_step: F64x1([0.1]),
-            rounding: F64x1([0.0]),
+            dither: F64x1([0.0]),
         }
     }
 

@@ -200,7 +200,7 @@ fn thousands_of_small_parts_add_up_in_single_precision() {
             let part = F32x8([(total / steps as f64) as f32; 8]);
             let mut sum = F32x8([start as f32; 8]);
             for step in 0..steps {
-                sum = grown(sum, part, F32x8([rounding(step) as f32; 8]));
+                sum = grown(sum, part, F32x8([dither(step) as f32; 8]));
             }
             let exact = f64::from(start as f32) + steps as f64 * f64::from(part.0[0]);
             let digit = f64::from(f32::EPSILON) * 0.5f64.max(exact.abs());
@@ -217,7 +217,7 @@ fn thousands_of_small_parts_add_up_in_single_precision() {
 #[test]
 fn rounding_fills_its_interval_evenly() {
     let n = 10_000;
-    let mut all: Vec<f64> = (0..n).map(rounding).collect();
+    let mut all: Vec<f64> = (0..n).map(dither).collect();
     all.sort_by(f64::total_cmp);
     for (k, value) in all.into_iter().enumerate() {
         assert!((value + 0.5 - k as f64 / n as f64).abs() < 1e-3);

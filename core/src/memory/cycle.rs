@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::waveform::{Bumps, SAMPLES};
 use crate::guard::{Guard, Stop, alternation};
-use crate::lanes::rounding;
+use crate::lanes::dither;
 use crate::math::Vec3;
 use crate::observable::critical_time_step::{Across, CriticalTimeStep, critical_time_step};
 use crate::observable::{Observation, observe};
@@ -283,7 +283,7 @@ impl<R: Replicas, P: Physics> Drive<R, P> {
 
     /// One step: move the walls, look if a sample is due, step the scene, record the pressures.
     pub fn step_once(&mut self) {
-        self.scene.laws.rounding = rounding(self.step);
+        self.scene.laws.dither = dither(self.step);
         for k in 0..R::K {
             let to = self.cycle.extent_at(self.step, self.program(k));
             move_box(&mut self.scene, k, to);

@@ -72,7 +72,7 @@ fn laws<S: Shape>(spec: &PackSpec, width: VectorWidth) -> Laws<Smooth<S>> {
         tangential: Frictionless,
         body_force: (),
         time_step: spec.preparation_time_step,
-        rounding: 0.0,
+        dither: 0.0,
         skin: SKIN,
         width,
     }

@@ -56,7 +56,7 @@ pub(crate) fn laws<P: Physics>(
         tangential: chosen.tangential,
         body_force: chosen.body_force,
         time_step: ramp / ramp_steps(ramp, time_step) as f64,
-        rounding: 0.0,
+        dither: 0.0,
         skin,
         width: chosen.width,
     }

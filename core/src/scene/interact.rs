@@ -20,7 +20,7 @@ pub(super) struct Constants<L: Lane, T: TangentialLaw> {
     reduced_mass: L,
     tangential: T::Constants<L>,
     time_step: L,
-    rounding: L,
+    dither: L,
 }
 
 impl<L: Lane, T: TangentialLaw> Constants<L, T> {
@@ -32,7 +32,7 @@ impl<L: Lane, T: TangentialLaw> Constants<L, T> {
             reduced_mass: L::constant(0.5 * laws.body.mass),
             tangential: laws.tangential.constants(),
             time_step: L::constant(laws.time_step),
-            rounding: L::constant(laws.rounding),
+            dither: L::constant(laws.dither),
         }
     }
 }
@@ -197,7 +197,7 @@ pub(super) fn interact<L: Lane, P: Physics>(
             },
             normal_force,
             time_step: constants.time_step,
-            rounding: constants.rounding,
+            dither: constants.dither,
         };
         tangential = P::Tangential::force(&constants.tangential, &contact, history);
     }

@@ -20,7 +20,7 @@ pub(super) struct MotionConstants<L> {
     wall_stiffness: L,
     wall_damping: L,
     time_step: L,
-    rounding: L,
+    dither: L,
     inverse_mass: L,
     inverse_inertia: L,
 }
@@ -32,7 +32,7 @@ impl<L: Lane> MotionConstants<L> {
             wall_stiffness: L::constant(laws.material.wall_stiffness),
             wall_damping: L::constant(laws.material.wall_damping),
             time_step: L::constant(laws.time_step),
-            rounding: L::constant(laws.rounding),
+            dither: L::constant(laws.dither),
             inverse_mass: L::constant(1.0 / laws.body.mass),
             inverse_inertia: L::constant(1.0 / laws.body.inertia),
         }
@@ -301,7 +301,7 @@ pub(super) fn advance<L: Lane, P: Physics>(
     to.velocity = acceleration.scale_add(constants.time_step, from.velocity);
     to.displacement = if L::Scalar::COARSE {
         let path = to.velocity.scale(constants.time_step);
-        from.displacement.grown(path, constants.rounding)
+        from.displacement.grown(path, constants.dither)
     } else {
         to.velocity
             .scale_add(constants.time_step, from.displacement)
@@ -314,7 +314,7 @@ pub(super) fn advance<L: Lane, P: Physics>(
         to.spin = acceleration.scale_add(constants.time_step, from.spin);
         if P::ORIENTED {
             let turn = to.spin.scale(constants.time_step);
-            to.turn = from.turn.turned(turn, constants.rounding);
+            to.turn = from.turn.turned(turn, constants.dither);
             fastest.spin = fastest.spin.max(to.spin.dot(to.spin));
         }
     }

@@ -30,7 +30,7 @@ fn crowd<R: Replicas, S: Shape>(body: Body, spacing: f64) -> Scene<R, With<S, Ho
         },
         body_force: (),
         time_step: 0.3,
-        rounding: 0.0,
+        dither: 0.0,
         skin: 0.2,
         width: VectorWidth::widest(),
     };

@@ -24,7 +24,7 @@ fn contact(sliding_velocity: [f64; 3], normal_force: f64) -> Contact<F64x1> {
         reduced_mass: F64x1([4e-5]),
         normal_force: F64x1([normal_force]),
         time_step: F64x1([1e-5]),
-        rounding: F64x1([0.0]),
+        dither: F64x1([0.0]),
     }
 }
 
@@ -117,7 +117,7 @@ fn contact_at_rest_does_not_pull_whatever_its_neighbors_in_the_vector_do() {
         reduced_mass: F64x8([4e-5; 8]),
         normal_force: row([10.0, 0.02, 0.0]),
         time_step: F64x8([1e-5; 8]),
-        rounding: F64x8([0.0; 8]),
+        dither: F64x8([0.0; 8]),
     };
     let mut history = [zero; 3];
     let pull = Mindlin::force(&law.constants(), &contact, &mut history);

@@ -113,7 +113,7 @@ pub(super) fn forces<W: Lane<Row = F64x8, Scalar = f64>>(
         reduced_mass: W::constant(1.0) / inverse_mass,
         normal_force,
         time_step: W::constant(time_step),
-        rounding: W::constant(0.0),
+        dither: W::constant(0.0),
     };
     let mut history = [s_x, s_y, s_z];
     let tangential = Mindlin::force(constants, &contact, &mut history);

@@ -216,7 +216,7 @@ fn scene(mesh: Mesh, center: [f64; 3], (mass, friction): (f64, f64)) -> Grained<
         tangential: law(GRAIN, GRAIN),
         body_force: (),
         time_step: 5e-6,
-        rounding: 0.0,
+        dither: 0.0,
         skin: 2e-4,
         width: VectorWidth::widest(),
     };
