@@ -506,38 +506,6 @@ fn all(cells: &[Cell]) -> Vec<Found> {
     found.into_values().collect()
 }
 
-/// The table of what was found.
-fn table(cells: &[Cell], found: &[Found]) -> String {
-    let mut text = String::from(
-        "| factor | value | Δt_crit | at 0.9: 𝒢 or E_b | 𝓕 | reference's own 𝒢 or E_b | 𝓕 | f32 𝒢 | 𝓕 | beyond | verdict |\n\
-         |---|---|---|---|---|---|---|---|---|---|---|\n",
-    );
-    let percent = |x: Option<&f64>| x.map_or("–".to_owned(), |x| format!("{:+.2} %", 100.0 * x));
-    let plain = |x: Option<&f64>| x.map_or("–".to_owned(), |x| format!("{x:+.4}"));
-    for (cell, found) in cells.iter().zip(found) {
-        let row = match found {
-            Found::Measured(m) => {
-                let single = m.single.as_deref().unwrap_or_default();
-                format!(
-                    "{:.3} | {} | {} | {} | {} | {} | {} | {} | {}",
-                    m.critical,
-                    percent(m.deviation.first()),
-                    plain(m.deviation.get(1)),
-                    percent(m.own.first()),
-                    plain(m.own.get(1)),
-                    percent(single.first()),
-                    plain(single.get(1)),
-                    m.beyond,
-                    m.verdict().name()
-                )
-            }
-            Found::Stopped(reason) => format!("– | – | – | – | – | – | – | – | {reason}"),
-        };
-        let _ = writeln!(text, "| {} | {} | {row} |", cell.factor, cell.value);
-    }
-    text
-}
-
 #[test]
 fn every_cell_is_right_or_stopped_with_a_reason() {
     let mut cells = one_at_a_time();
@@ -546,7 +514,7 @@ fn every_cell_is_right_or_stopped_with_a_reason() {
         cells.retain(|cell| cell.factor == only);
     }
     let found = all(&cells);
-    let mut text = table(&cells, &found);
+    let mut text = drawn::table(&cells, &found);
     text.push_str("\nThe corners:\n\n");
     for cell in cells.iter().filter(|cell| cell.factor == "corner") {
         let _ = writeln!(

@@ -1,4 +1,4 @@
-//! The map as a picture.
+//! The map as a table and as a picture.
 
 use std::fmt::Write as _;
 
@@ -107,4 +107,36 @@ pub(super) fn map(cells: &[Cell], found: &[Found]) -> String {
         w = LEFT + WIDTH + 100.0,
         h = bottom + 10.0
     )
+}
+
+/// The table of what was found.
+pub(super) fn table(cells: &[Cell], found: &[Found]) -> String {
+    let mut text = String::from(
+        "| factor | value | Δt_crit | at 0.9: 𝒢 or E_b | 𝓕 | reference's own 𝒢 or E_b | 𝓕 | f32 𝒢 | 𝓕 | beyond | verdict |\n\
+         |---|---|---|---|---|---|---|---|---|---|---|\n",
+    );
+    let percent = |x: Option<&f64>| x.map_or("–".to_owned(), |x| format!("{:+.2} %", 100.0 * x));
+    let plain = |x: Option<&f64>| x.map_or("–".to_owned(), |x| format!("{x:+.4}"));
+    for (cell, found) in cells.iter().zip(found) {
+        let row = match found {
+            Found::Measured(m) => {
+                let single = m.single.as_deref().unwrap_or_default();
+                format!(
+                    "{:.3} | {} | {} | {} | {} | {} | {} | {} | {}",
+                    m.critical,
+                    percent(m.deviation.first()),
+                    plain(m.deviation.get(1)),
+                    percent(m.own.first()),
+                    plain(m.own.get(1)),
+                    percent(single.first()),
+                    plain(single.get(1)),
+                    m.beyond,
+                    m.verdict().name()
+                )
+            }
+            Found::Stopped(reason) => format!("– | – | – | – | – | – | – | – | {reason}"),
+        };
+        let _ = writeln!(text, "| {} | {} | {row} |", cell.factor, cell.value);
+    }
+    text
 }
