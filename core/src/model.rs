@@ -7,7 +7,7 @@ use crate::beam;
 use crate::beam::point::BeamPoint;
 use crate::identity::StageId;
 use crate::memory;
-use crate::memory::spec::MemoryPoint;
+use crate::memory::spec::{MemoryPoint, RecallSpec};
 use crate::memory::waveform::Waveform;
 use crate::parameter::{Choices, Parameter, Preset, Quantity, Rule};
 use crate::stage::{StageKind, StageSpec};
@@ -46,7 +46,9 @@ impl Model {
     #[must_use]
     pub fn of(kind: StageKind) -> Self {
         match kind {
-            StageKind::Pack | StageKind::Train | StageKind::Recall => Self::Memory,
+            StageKind::Pack | StageKind::Train | StageKind::Encode | StageKind::Recall => {
+                Self::Memory
+            }
             StageKind::Grow | StageKind::Jam | StageKind::Bend => Self::Beam,
         }
     }
@@ -197,15 +199,29 @@ impl ModelPoint {
                 vec![grow, jam]
             }
         };
-        stages.push(self.last(stages[1].id()));
+        let before = stages[1].id();
+        stages.extend(self.beginning(before));
+        stages.push(self.last(before));
         stages
     }
 
-    /// The last stage of this point, on the stage named `before`.
+    /// What the last stage shares with those of some other points, on the stage named `before`, if anything.
+    #[must_use]
+    pub fn beginning(&self, before: StageId) -> Option<StageSpec> {
+        match self {
+            Self::Memory(point) => point.encode(before).map(StageSpec::Encode),
+            Self::Beam(_) => None,
+        }
+    }
+
+    /// The last stage of this point, on the stage named `before`, after its beginning if it has one.
     #[must_use]
     pub fn last(&self, before: StageId) -> StageSpec {
         match self {
-            Self::Memory(point) => StageSpec::Recall(point.recall(before)),
+            Self::Memory(point) => StageSpec::Recall(RecallSpec {
+                encode: self.beginning(before).map(|stage| stage.id()),
+                ..point.recall(before)
+            }),
             Self::Beam(point) => StageSpec::Bend(point.bend(before)),
         }
     }

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use crate::beam::spec::{BendSpec, GrowSpec, JamSpec};
 use crate::identity::{StageId, canonical_json};
 use crate::lanes::VectorWidth;
-use crate::memory::spec::{PackSpec, Precision, RecallSpec, TrainSpec};
+use crate::memory::spec::{EncodeSpec, PackSpec, Precision, RecallSpec, TrainSpec};
 use crate::memory::waveform::Waveform;
 use crate::physics;
 
@@ -30,6 +30,8 @@ pub enum StageKind {
     Pack,
     /// The pack after one compression cycle with friction.
     Train,
+    /// The beginning of an encoding that several words share.
+    Encode,
     /// One waveform stored in it and recalled.
     Recall,
     /// Grains grown in a mold without friction.
@@ -42,9 +44,10 @@ pub enum StageKind {
 
 impl StageKind {
     /// Every kind, each after the one that it needs.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 7] = [
         Self::Pack,
         Self::Train,
+        Self::Encode,
         Self::Recall,
         Self::Grow,
         Self::Jam,
@@ -56,7 +59,7 @@ impl StageKind {
     pub fn physics(self) -> u32 {
         match self {
             Self::Pack | Self::Train => physics::MEMORY,
-            Self::Recall => physics::RECALL,
+            Self::Encode | Self::Recall => physics::RECALL,
             Self::Grow | Self::Jam | Self::Bend => physics::BEAM,
         }
     }
@@ -67,6 +70,7 @@ impl StageKind {
         match self {
             Self::Pack => "pack",
             Self::Train => "train",
+            Self::Encode => "encode",
             Self::Recall => "recall",
             Self::Grow => "grow",
             Self::Jam => "jam",
@@ -83,6 +87,8 @@ pub enum StageSpec {
     Pack(PackSpec),
     /// See [`TrainSpec`].
     Train(TrainSpec),
+    /// See [`EncodeSpec`].
+    Encode(EncodeSpec),
     /// See [`RecallSpec`].
     Recall(RecallSpec),
     /// See [`GrowSpec`].
@@ -108,6 +114,7 @@ impl StageSpec {
         match self {
             Self::Pack(_) => StageKind::Pack,
             Self::Train(_) => StageKind::Train,
+            Self::Encode(_) => StageKind::Encode,
             Self::Recall(_) => StageKind::Recall,
             Self::Grow(_) => StageKind::Grow,
             Self::Jam(_) => StageKind::Jam,
@@ -133,23 +140,38 @@ impl StageSpec {
         match self {
             Self::Pack(_) | Self::Grow(_) => None,
             Self::Train(spec) => Some(spec.pack),
-            Self::Recall(spec) => Some(spec.train),
+            Self::Encode(spec) => Some(spec.train),
+            Self::Recall(spec) => Some(spec.encode.unwrap_or(spec.train)),
             Self::Jam(spec) => Some(spec.grow),
             Self::Bend(spec) => Some(spec.jam),
         }
     }
 
-    /// Stages with equal keys can run as lanes of one ensemble: recalls in one trained pack with the same numerics.
+    /// Stages with equal keys that begin at one step can run as lanes of one ensemble: recalls in one trained pack with the same
+    /// numerics, and encodings of words of one length.
     #[must_use]
     pub fn ensemble_key(&self) -> StageId {
         match self {
             Self::Recall(spec) => {
                 let spec = RecallSpec {
+                    encode: None,
                     waveform: Waveform::Zero,
                     gamma0: 0.0,
                     ..spec.clone()
                 };
                 Self::Recall(spec).id()
+            }
+            Self::Encode(spec) => {
+                let waveform = match spec.waveform {
+                    Waveform::BinaryWord { bits, .. } => Waveform::BinaryWord { bits, word: 0 },
+                    ref other => other.clone(),
+                };
+                let spec = EncodeSpec {
+                    waveform,
+                    gamma0: 0.0,
+                    ..spec.clone()
+                };
+                Self::Encode(spec).id()
             }
             alone => alone.id(),
         }
@@ -158,16 +180,14 @@ impl StageSpec {
     /// The largest number of stages with this key that one ensemble holds.
     #[must_use]
     pub fn max_lanes(&self) -> usize {
-        match self {
-            Self::Recall(RecallSpec {
-                precision: Precision::F64,
-                ..
-            }) => 8,
-            Self::Recall(RecallSpec {
-                precision: Precision::F32,
-                ..
-            }) => 16,
-            _ => 1,
+        let precision = match self {
+            Self::Encode(spec) => spec.precision,
+            Self::Recall(spec) => spec.precision,
+            _ => return 1,
+        };
+        match precision {
+            Precision::F64 => 8,
+            Precision::F32 => 16,
         }
     }
 }
@@ -176,7 +196,9 @@ impl StageSpec {
 pub struct Ensemble<'a> {
     /// Specs with equal [`StageSpec::ensemble_key`], at most [`StageSpec::max_lanes`] of them.
     pub specs: &'a [StageSpec],
-    /// The [`STATE`] artifact of the stage that they need; empty for `pack`.
+    /// The [`STATE`] artifact of the stage that the first needs; empty for `pack`.
+    ///
+    /// All need the same, but for recalls that go on from encodings: their states are checkpoints where they have no other.
     pub input: &'a [u8],
     /// A checkpoint for each job, all taken at the same step, or none at all.
     pub checkpoints: Option<&'a [Vec<u8>]>,

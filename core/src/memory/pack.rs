@@ -207,7 +207,7 @@ fn cycles<S: Shape>(
     let before = servo_steps + (spec.gas_time / spec.preparation_time_step).ceil() as u64;
     let last = drive.cycle.steps();
     let walls = drive.scene.walls.reference();
-    run::drive(&mut drive, (before, last), progress, &|drive, k| {
+    run::drive(&mut drive, (before as i64, last), progress, &|drive, k| {
         let header = Header {
             stage: stage.to_owned(),
             step: before + drive.step,
@@ -259,7 +259,9 @@ fn read<'a, S: Shape>(
     width: VectorWidth,
 ) -> Result<Saved<'a, S>, StageFailure> {
     let saved: Checkpoint<Header> =
-        run::read_checkpoint(stage, bytes, |header: &Header| &header.stage)?;
+        run::read_checkpoint(&[Some(&stage.to_owned())], bytes, |header: &Header| {
+            &header.stage
+        })?;
     let header = saved.header.clone();
     let laws = laws::<S>(spec, width);
     if header.phase == Phase::Cycles {

@@ -17,8 +17,10 @@ use crate::grains::Grains;
 use crate::identity::canonical_json;
 use crate::lanes::Scalar;
 use crate::observable::critical_time_step::{CriticalTimeStep, critical_time_step};
-use crate::outcome::{HISTORY, Outcome, Progress, SIGNAL, StageFailure};
+use crate::outcome::{HISTORY, Outcome, Progress, SIGNAL, STATE, StageFailure};
+use crate::physics;
 use crate::scene::{Physics, Replicas, Scene};
+use crate::state_file::Reader;
 use crate::wall::Walls;
 
 /// The series of a recall, in order.
@@ -36,6 +38,9 @@ struct Header {
     critical_at_start: CriticalTimeStep,
     track: Track,
     stop: Option<(u64, String, String, String)>,
+    /// What led to the trained pack: recalls that go on from an encoding are told nothing else of it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    past: Option<Past>,
 }
 
 /// Recalls of one trained pack, side by side.
@@ -44,10 +49,28 @@ pub(crate) struct Recalls<'a> {
     pub(crate) specs: &'a [RecallSpec],
     /// The identity of each.
     pub(crate) stages: &'a [String],
-    /// The trained pack.
-    pub(crate) input: &'a PackState,
-    /// A checkpoint for each, all of one step, or none.
-    pub(crate) checkpoints: Option<&'a [Vec<u8>]>,
+    /// What led to the trained pack.
+    pub(crate) past: &'a Past,
+    pub(crate) start: Start<'a>,
+    /// The step before which encodings end and leave their states, if they are that.
+    pub(crate) until: Option<u64>,
+}
+
+/// Where recalls begin.
+pub(crate) enum Start<'a> {
+    /// In the trained pack.
+    Trained(&'a PackState),
+    /// A checkpoint for each, or the state of its encoding, all of one step.
+    Saved(&'a [Vec<u8>]),
+}
+
+/// What led to the trained pack that an encoding went on from.
+pub(crate) fn past(state: &[u8]) -> Result<Past, StageFailure> {
+    let detail = |detail: String| StageFailure::Input { detail };
+    let (header, _) = Reader::new::<Header>(physics::MEMORY, state).map_err(detail)?;
+    header
+        .past
+        .ok_or_else(|| detail("the input is no encoding".to_owned()))
 }
 
 /// Runs all recalls, or goes on from their checkpoints; one result for each.
@@ -56,13 +79,11 @@ pub(crate) fn run<R: Replicas, P: Physics>(
     chosen: &Chosen<P>,
     progress: &mut Progress<'_>,
 ) -> Result<Vec<Result<Outcome, StageFailure>>, StageFailure> {
-    let mut drive: Drive<R, P> = match recalls.checkpoints {
-        Some(checkpoints) => resumed(recalls, checkpoints, chosen)?,
-        None => begun(recalls, chosen)?,
+    let mut drive: Drive<R, P> = match recalls.start {
+        Start::Saved(checkpoints) => resumed(recalls, checkpoints, chosen)?,
+        Start::Trained(input) => begun(recalls, input, chosen)?,
     };
-    // The last sample, at u = 0, is the step after the last ramp.
-    let end = drive.cycle.steps() + 1;
-    run::drive(&mut drive, (0, end), progress, &|drive, k| {
+    let save = |drive: &Drive<R, P>, k: usize| {
         let stop = drive.stops[k].as_ref().map(|(step, stop)| {
             (
                 *step,
@@ -77,12 +98,18 @@ pub(crate) fn run<R: Replicas, P: Physics>(
             critical_at_start: drive.critical_at_start(),
             track: drive.tracks[k].clone(),
             stop,
+            past: recalls.until.map(|_| recalls.past.clone()),
         };
         run::checkpoint_of(&drive.scene, k, header).to_bytes()
-    })?;
+    };
+    // The last sample, at u = 0, is the step after the last ramp.
+    let end = recalls.until.unwrap_or(drive.cycle.steps() + 1);
+    let before = -(recalls.specs[0].steps_before() as i64);
+    run::drive(&mut drive, (before, end), progress, &save)?;
     let outcome = |(k, spec): (usize, &RecallSpec)| match &drive.stops[k] {
         Some((step, stop)) => Err(run::stopped(*step, stop.clone())),
-        None => Ok(outcome(spec, &recalls.input.past, &drive, k)),
+        None if recalls.until.is_some() => Ok(encoded(&drive, k, save(&drive, k))),
+        None => Ok(outcome(spec, recalls.past, &drive, k)),
     };
     Ok(recalls.specs.iter().enumerate().map(outcome).collect())
 }
@@ -118,9 +145,10 @@ fn programs(recalls: &Recalls<'_>) -> Vec<Program> {
 
 fn begun<R: Replicas, P: Physics>(
     recalls: &Recalls<'_>,
+    input: &PackState,
     chosen: &Chosen<P>,
 ) -> Result<Drive<R, P>, StageFailure> {
-    let (spec, input) = (&recalls.specs[0], recalls.input);
+    let spec = &recalls.specs[0];
     let laws = laws(&input.past, chosen, spec.skin, spec.ramp, spec.time_step);
     let time_step = laws.time_step;
     let mut grains = Grains::<R>::at_rest(input.poses.clone(), &laws.body, P::SPINS);
@@ -153,8 +181,10 @@ fn resumed<R: Replicas, P: Physics>(
     chosen: &Chosen<P>,
 ) -> Result<Drive<R, P>, StageFailure> {
     let mut saved: Vec<Checkpoint<Header>> = vec![];
-    for (stage, bytes) in recalls.stages.iter().zip(checkpoints) {
-        saved.push(run::read_checkpoint(stage, bytes, |header: &Header| {
+    for ((stage, spec), bytes) in recalls.stages.iter().zip(recalls.specs).zip(checkpoints) {
+        let encode = spec.encode.map(|id| id.to_string());
+        let stages = [Some(stage), encode.as_ref()];
+        saved.push(run::read_checkpoint(&stages, bytes, |header: &Header| {
             &header.stage
         })?);
     }
@@ -167,7 +197,7 @@ fn resumed<R: Replicas, P: Physics>(
         let detail = "checkpoint: the jobs of one ensemble must be at the same step".to_owned();
         return Err(StageFailure::Input { detail });
     }
-    let (spec, past) = (&recalls.specs[0], &recalls.input.past);
+    let (spec, past) = (&recalls.specs[0], recalls.past);
     let laws = laws(past, chosen, spec.skin, spec.ramp, spec.time_step);
     let scene = run::restored(laws, past.walls, &saved)?;
     let guard = run::guard(headers[0].critical_at_start);
@@ -180,13 +210,33 @@ fn resumed<R: Replicas, P: Physics>(
     );
     drive.step = step;
     for (k, header) in headers.into_iter().enumerate() {
+        // An encoding has not the series of a second cycle.
+        let series = std::mem::take(&mut drive.tracks[k].series);
         drive.tracks[k] = header.track;
+        let missing = series.into_iter().skip(drive.tracks[k].series.len());
+        drive.tracks[k].series.extend(missing);
         if let Some((at, kind, detail, remedy)) = header.stop {
             drive.restore_stop(k, at, &kind, detail, remedy);
         }
     }
     drive.place_walls();
     Ok(drive)
+}
+
+/// What an encoding leaves to the recalls that go on from it.
+fn encoded<R: Replicas, P: Physics>(drive: &Drive<R, P>, k: usize, state: Vec<u8>) -> Outcome {
+    let track = &drive.tracks[k];
+    let mut results = BTreeMap::new();
+    results.insert("largest_overlap".to_owned(), Some(track.largest_overlap));
+    results.extend(run::measured(track.critical_time_step));
+    results.insert("time_step".to_owned(), Some(drive.scene.laws.time_step));
+    Outcome {
+        results,
+        reasons: BTreeMap::new(),
+        artifacts: BTreeMap::from([(STATE.to_owned(), state)]),
+        warnings: vec![],
+        steps: drive.step,
+    }
 }
 
 fn outcome<R: Replicas, P: Physics>(
@@ -245,7 +295,7 @@ fn outcome<R: Replicas, P: Physics>(
             (HISTORY.to_owned(), canonical_json(&history).into_bytes()),
         ]),
         warnings: warning.into_iter().collect(),
-        steps: drive.cycle.steps(),
+        steps: drive.cycle.steps() - spec.steps_before(),
     }
 }
 

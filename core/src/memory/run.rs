@@ -46,17 +46,17 @@ pub(crate) fn silent() -> Program {
 /// Writes the complete state of one replica.
 pub(crate) type Save<'a, R, P> = &'a dyn Fn(&Drive<R, P>, usize) -> Vec<u8>;
 
-/// Steps `drive` up to, not including, step `end` of its cycle; `before` steps of the stage came first.
+/// Steps `drive` up to, not including, step `end` of its cycle; `before` steps of the stage came first, or were done by another.
 pub(crate) fn drive<R: Replicas, P: Physics>(
     drive: &mut Drive<R, P>,
-    (before, end): (u64, u64),
+    (before, end): (i64, u64),
     progress: &mut Progress<'_>,
     save: Save<'_, R, P>,
 ) -> Result<(), StageFailure> {
     while drive.step < end && !drive.is_over() {
         if drive.step.is_multiple_of(REPORT_EVERY) {
             let jobs = drive.programs.len();
-            progress.ask(before + drive.step, &|| {
+            progress.ask(drive.step.saturating_add_signed(before), &|| {
                 (0..jobs).map(|k| save(drive, k)).collect()
             })?;
         }
@@ -98,9 +98,9 @@ fn remembered<R: Replicas, P: Physics>(scene: &Scene<R, P>, k: usize) -> Vec<Rem
         .collect()
 }
 
-/// Reads a checkpoint and makes sure that it belongs to `stage`.
+/// Reads a checkpoint and makes sure that it belongs to one of `stages`.
 pub(crate) fn read_checkpoint<H: Serialize + DeserializeOwned>(
-    stage: &str,
+    stages: &[Option<&String>],
     bytes: &[u8],
     stage_of: impl Fn(&H) -> &String,
 ) -> Result<Checkpoint<H>, StageFailure> {
@@ -108,11 +108,11 @@ pub(crate) fn read_checkpoint<H: Serialize + DeserializeOwned>(
         detail: format!("checkpoint: {detail}"),
     };
     let saved = Checkpoint::<H>::from_bytes(bytes).map_err(input)?;
-    if stage_of(&saved.header) != stage {
-        return Err(input(format!(
-            "it belongs to {}, not to {stage}",
-            stage_of(&saved.header)
-        )));
+    let found = stage_of(&saved.header);
+    if !stages.contains(&Some(found)) {
+        let own = stages.iter().copied().flatten().next();
+        let own = own.map_or("", String::as_str);
+        return Err(input(format!("it belongs to {found}, not to {own}")));
     }
     Ok(saved)
 }

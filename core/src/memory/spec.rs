@@ -79,6 +79,22 @@ pub struct PackSpec {
     pub rest_kinetic_energy: f64,
 }
 
+impl RecallSpec {
+    /// The steps that its encoding has done before it.
+    #[must_use]
+    pub fn steps_before(&self) -> u64 {
+        let shared = self.encode.and_then(|_| self.waveform.beginning());
+        shared.map_or(0, |(_, until)| {
+            steps_until(until, self.ramp, self.time_step)
+        })
+    }
+}
+
+/// The steps of a ramp before u reaches `until`.
+pub(crate) fn steps_until(until: f64, ramp: f64, time_step: f64) -> u64 {
+    (until * crate::memory::ramp_steps(ramp, time_step) as f64) as u64
+}
+
 impl PackSpec {
     /// An estimate of the steps: gas, 20,000 t_c of servo (15,000 to 25,000 in practice), and the cycles.
     #[must_use]
@@ -114,12 +130,64 @@ pub struct TrainSpec {
     pub skin: f64,
 }
 
+/// The beginning of an encoding, which several words share: what enters the stage `encode`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct EncodeSpec {
+    /// The trained pack.
+    pub train: StageId,
+    /// The word whose last bits are zero, see [`Waveform::beginning`].
+    pub waveform: Waveform,
+    /// γ0.
+    pub gamma0: f64,
+    /// Largest time step \[t_c\].
+    pub time_step: f64,
+    /// t0 \[t_c\].
+    pub ramp: f64,
+    /// η \[1/t_c\].
+    pub drag: f64,
+    /// Number type.
+    pub precision: Precision,
+    /// \[R\].
+    pub skin: f64,
+}
+
+impl EncodeSpec {
+    /// Time steps: those before the words part.
+    #[must_use]
+    pub fn steps(&self) -> u64 {
+        let until = self.waveform.beginning().map_or(0.0, |(_, until)| until);
+        steps_until(until, self.ramp, self.time_step)
+    }
+
+    /// The recall that begins so and is no longer: no hold, no second cycle.
+    #[must_use]
+    pub(crate) fn as_recall(&self) -> RecallSpec {
+        RecallSpec {
+            train: self.train,
+            encode: None,
+            waveform: self.waveform.clone(),
+            gamma0: self.gamma0,
+            time_step: self.time_step,
+            ramp: self.ramp,
+            drag: self.drag,
+            hold: 0.0,
+            precision: self.precision,
+            second_cycle: false,
+            skin: self.skin,
+        }
+    }
+}
+
 /// One waveform stored and recalled: what enters the stage `recall`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RecallSpec {
     /// The trained pack.
     pub train: StageId,
+    /// The encoding that it goes on from, if it shares one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub encode: Option<StageId>,
     /// I(u).
     pub waveform: Waveform,
     /// γ0.
@@ -288,13 +356,32 @@ impl MemoryPoint {
         }
     }
 
+    /// The stage `encode` of this point, in the trained pack named `train`, if its waveform shares one.
+    #[must_use]
+    pub fn encode(&self, train: StageId) -> Option<EncodeSpec> {
+        let (waveform, _) = self.waveform.beginning()?;
+        Some(EncodeSpec {
+            train,
+            waveform,
+            gamma0: self.gamma0,
+            time_step: self.time_step,
+            ramp: self.ramp,
+            drag: self.drag,
+            precision: self.precision,
+            skin: self.skin,
+        })
+    }
+
     /// The stage `recall` of this point, in the trained pack named `train`.
+    ///
+    /// It encodes from the start; [`crate::model::ModelPoint::last`] lets it go on from a shared encoding.
     ///
     /// The zero waveform has no amplitude: its γ0 is 0 whatever the user said, so that it is run once per trained pack.
     #[must_use]
     pub fn recall(&self, train: StageId) -> RecallSpec {
         RecallSpec {
             train,
+            encode: None,
             waveform: self.waveform.clone(),
             gamma0: if self.waveform == Waveform::Zero {
                 0.0

@@ -39,6 +39,12 @@ pub enum Waveform {
     Bumps(Bumps),
 }
 
+/// Words of fewer bits share no encoding: there would be little to share.
+const FEWEST_SHARED_BITS: u8 = 5;
+
+/// The last bits of a word, which an encoding leaves open: eight words go on from each.
+const OPEN_BITS: u8 = 3;
+
 /// Half-cycle cosine bumps of one width.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -122,6 +128,22 @@ impl Waveform {
             Self::Six(s) => six(*s),
             Self::BinaryWord { bits, word } => binary_word(*bits, *word),
             Self::Bumps(bumps) => bumps.clone(),
+        }
+    }
+}
+
+impl Waveform {
+    /// The word with the same beginning whose last bits are zero, and the u up to which the two are the same waveform.
+    #[must_use]
+    pub fn beginning(&self) -> Option<(Self, f64)> {
+        match *self {
+            Self::BinaryWord { bits, word } if bits >= FEWEST_SHARED_BITS => {
+                let word = word >> OPEN_BITS << OPEN_BITS;
+                let first_open = P + f64::from(bits - OPEN_BITS) - 0.5;
+                let u = first_open / (f64::from(bits) + 2.0 * P);
+                Some((Self::BinaryWord { bits, word }, u))
+            }
+            _ => None,
         }
     }
 }
@@ -236,9 +258,11 @@ fn six(s: u8) -> Bumps {
     }
 }
 
+/// The p of App. A.2: bit lengths without a signal at each end.
+const P: f64 = 2.0;
+
 /// App. A.2, Eqs. (15), (16) with p = 2: the bumps in order of u, so that the one at the start comes first.
 fn binary_word(bits: u8, word: u32) -> Bumps {
-    const P: f64 = 2.0;
     let length = usize::from(bits);
     let bit = |b: usize| f64::from((word >> (length - 1 - b)) & 1);
     let unit = 1.0 / (length as f64 + 2.0 * P);
@@ -285,6 +309,22 @@ mod tests {
                 assert!((sum - bumps.integral(u)).abs() < 1e-6, "{waveform} at {u}");
             }
         }
+    }
+
+    #[test]
+    fn words_are_their_beginnings_up_to_where_they_part() {
+        for bits in [5, 7, 10] {
+            for word in 0..1 << bits {
+                let word = Waveform::BinaryWord { bits, word };
+                let (beginning, until) = word.beginning().expect("a long word");
+                let (word, beginning) = (word.bumps(), beginning.bumps());
+                let same = |u: f64| word.shear(u).to_bits() == beginning.shear(u).to_bits();
+                assert!((0..1000).all(|k| same(f64::from(k) / 1000.0 * (until - 1e-9))));
+                assert!(word == beginning || !same(until + 0.1 * word.width));
+            }
+        }
+        assert_eq!(Waveform::Six(1).beginning(), None);
+        assert_eq!(Waveform::BinaryWord { bits: 4, word: 9 }.beginning(), None);
     }
 
     #[test]

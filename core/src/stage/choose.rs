@@ -11,7 +11,7 @@ use crate::identity::StageId;
 use crate::lanes::{F32x8, F32x16, F64x1, F64x8, VectorWidth};
 use crate::material::Units;
 use crate::memory::pack;
-use crate::memory::recall::{self, Recalls};
+use crate::memory::recall::{self, Recalls, Start};
 use crate::memory::spec::{Precision, RecallSpec, ShapeName, TrainSpec};
 use crate::memory::state::{PackState, Past};
 use crate::memory::train::{self, Chosen};
@@ -71,7 +71,7 @@ pub(super) fn run(ensemble: &Ensemble<'_>, width: VectorWidth, watch: Watch<'_>)
             let trained = || shaped(&job, &state.past, spec, width, &mut progress);
             helped(grains(&state.past), trained)
         }
-        StageSpec::Recall(_) => recalled(ensemble, width, &mut progress),
+        StageSpec::Encode(_) | StageSpec::Recall(_) => recalled(ensemble, width, &mut progress),
         StageSpec::Grow(_) | StageSpec::Jam(_) | StageSpec::Bend(_) => {
             let bent = || bent(ensemble, &stage, checkpoint, width, &mut progress);
             Ok(vec![helped(usize::MAX, bent)])
@@ -121,17 +121,35 @@ fn check_input(found: &StageSpec, named: StageId) -> Result<(), StageFailure> {
 }
 
 fn recalled(ensemble: &Ensemble<'_>, width: VectorWidth, progress: &mut Progress<'_>) -> Outcomes {
-    let state = read(ensemble.input)?;
-    let train = state
-        .past
+    let recall = |spec: &StageSpec| match spec {
+        StageSpec::Recall(recall) => Some((recall.clone(), None)),
+        StageSpec::Encode(encode) => Some((encode.as_recall(), Some(encode.steps()))),
+        _ => None,
+    };
+    let (specs, until): (Vec<RecallSpec>, Vec<Option<u64>>) =
+        ensemble.specs.iter().filter_map(recall).unzip();
+    let goes_on = specs[0].encode.is_some();
+    if specs.iter().any(|spec| spec.encode.is_some() != goes_on) {
+        return Err(input("the jobs of an ensemble must begin at one step"));
+    }
+    // One that goes on alone may be given its encoding's state as its input only.
+    let alone = [ensemble.input.to_vec()];
+    let (past, trained, saved) = if goes_on {
+        let saved = ensemble.checkpoints.unwrap_or(&alone);
+        (recall::past(ensemble.input)?, None, Some(saved))
+    } else {
+        let state = read(ensemble.input)?;
+        (state.past.clone(), Some(state), ensemble.checkpoints)
+    };
+    let start = match (saved, &trained) {
+        (Some(saved), _) => Start::Saved(saved),
+        (None, Some(state)) => Start::Trained(state),
+        (None, None) => return Err(input("there is nothing to begin with")),
+    };
+    let train = past
         .train
         .clone()
         .ok_or_else(|| input("the input is a pack that was not trained"))?;
-    let recall = |spec: &StageSpec| match spec {
-        StageSpec::Recall(recall) => Some(recall.clone()),
-        _ => None,
-    };
-    let specs: Vec<RecallSpec> = ensemble.specs.iter().filter_map(recall).collect();
     if StageSpec::Train(train.clone()).id() != specs[0].train {
         return Err(input(
             "the input is another trained pack than the one the stage names",
@@ -145,12 +163,13 @@ fn recalled(ensemble: &Ensemble<'_>, width: VectorWidth, progress: &mut Progress
     let recalls = Recalls {
         specs: &specs,
         stages: &stages,
-        input: &state,
-        checkpoints: ensemble.checkpoints,
+        past: &past,
+        start,
+        until: until[0],
     };
     let job = Job::Recall(&recalls);
-    helped(grains(&state.past), || {
-        shaped(&job, &state.past, &train, width, progress)
+    helped(grains(&past), || {
+        shaped(&job, &past, &train, width, progress)
     })
 }
 

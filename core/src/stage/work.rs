@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::StageSpec;
-use crate::memory::spec::{PackSpec, Precision, ShapeName};
+use crate::memory::spec::{EncodeSpec, PackSpec, Precision, RecallSpec, ShapeName};
 use crate::memory::{hold_steps, ramp_steps};
 use crate::scene::FARTHEST_SKIN;
 
@@ -31,8 +31,10 @@ impl StageSpec {
             (Self::Recall(spec), _) => {
                 let ramp = ramp_steps(spec.ramp, spec.time_step);
                 let hold = hold_steps(spec.hold, ramp);
-                2 * ramp + hold + if spec.second_cycle { 2 * ramp } else { 0 }
+                let all = 2 * ramp + hold + if spec.second_cycle { 2 * ramp } else { 0 };
+                all - spec.steps_before()
             }
+            (Self::Encode(spec), _) => spec.steps(),
             (Self::Grow(spec), _) => spec.predicted_steps(),
             (Self::Jam(spec), [Self::Grow(grow), ..]) => spec.predicted_steps(grow),
             (Self::Bend(spec), [Self::Grow(grow), Self::Jam(jam), ..]) => {
@@ -71,7 +73,12 @@ impl StageSpec {
             _ => "beam",
         };
         let precision = match self {
-            Self::Recall(recall) if recall.precision == Precision::F32 => "f32",
+            Self::Recall(RecallSpec { precision, .. })
+            | Self::Encode(EncodeSpec { precision, .. })
+                if *precision == Precision::F32 =>
+            {
+                "f32"
+            }
             _ => "f64",
         };
         format!("{}/{shape}/{precision}", self.kind().name())
@@ -80,8 +87,15 @@ impl StageSpec {
     /// Memory of an ensemble of the memory experiment in `pack` \[bytes\], not to be exceeded (`core/tests/random_specs.rs`).
     fn bytes(&self, pack: &PackSpec) -> u64 {
         let (scalar, lanes, skin) = match self {
-            Self::Recall(spec) if spec.precision == Precision::F32 => (4, 16, spec.skin),
-            Self::Recall(spec) => (8, 8, spec.skin),
+            Self::Recall(RecallSpec {
+                precision, skin, ..
+            })
+            | Self::Encode(EncodeSpec {
+                precision, skin, ..
+            }) => match precision {
+                Precision::F32 => (4, 16, *skin),
+                Precision::F64 => (8, 8, *skin),
+            },
             Self::Train(spec) => (8, 1, spec.skin.max(FARTHEST_SKIN)),
             _ => (8, 1, FARTHEST_SKIN),
         };
