@@ -50,7 +50,7 @@ pub struct LeasedJob {
     #[schema(value_type = Object)]
     #[serde(flatten)]
     pub spec: StageSpec,
-    /// The state that it starts from; none for `pack`. The same for every job of a lease.
+    /// The state that it starts from; none for `pack`. The same for every job of a lease, but for recalls that go on from encodings.
     #[schema(value_type = Option<String>)]
     pub input: Option<ArtifactHash>,
     /// The latest checkpoint of an earlier attempt.

@@ -199,30 +199,25 @@ impl ModelPoint {
                 vec![grow, jam]
             }
         };
-        let before = stages[1].id();
-        stages.extend(self.beginning(before));
-        stages.push(self.last(before));
+        let (beginning, last) = self.ends(stages[1].id());
+        stages.extend(beginning);
+        stages.push(last);
         stages
     }
 
-    /// What the last stage shares with those of some other points, on the stage named `before`, if anything.
+    /// The last stage of this point, after the stage named `before`, and, between the two, what it shares with other points.
     #[must_use]
-    pub fn beginning(&self, before: StageId) -> Option<StageSpec> {
+    pub fn ends(&self, before: StageId) -> (Option<StageSpec>, StageSpec) {
         match self {
-            Self::Memory(point) => point.encode(before).map(StageSpec::Encode),
-            Self::Beam(_) => None,
-        }
-    }
-
-    /// The last stage of this point, on the stage named `before`, after its beginning if it has one.
-    #[must_use]
-    pub fn last(&self, before: StageId) -> StageSpec {
-        match self {
-            Self::Memory(point) => StageSpec::Recall(RecallSpec {
-                encode: self.beginning(before).map(|stage| stage.id()),
-                ..point.recall(before)
-            }),
-            Self::Beam(point) => StageSpec::Bend(point.bend(before)),
+            Self::Memory(point) => {
+                let beginning = point.encode(before).map(StageSpec::Encode);
+                let recall = RecallSpec {
+                    encode: beginning.as_ref().map(StageSpec::id),
+                    ..point.recall(before)
+                };
+                (beginning, StageSpec::Recall(recall))
+            }
+            Self::Beam(point) => (None, StageSpec::Bend(point.bend(before))),
         }
     }
 

@@ -147,6 +147,12 @@ impl StageSpec {
         }
     }
 
+    /// Whether it is a recall that goes on from an encoding, so that each of an ensemble has a state of its own to begin with.
+    #[must_use]
+    pub fn goes_on(&self) -> bool {
+        matches!(self, Self::Recall(spec) if spec.encode.is_some())
+    }
+
     /// Stages with equal keys that begin at one step can run as lanes of one ensemble: recalls in one trained pack with the same
     /// numerics, and encodings of words of one length.
     #[must_use]

@@ -26,9 +26,8 @@ fn planned(pack: &Trained, word: u32, precision: Precision) -> (StageSpec, Stage
         precision,
         ..pack.point.clone()
     });
-    let train = pack.train_spec.id();
-    let encode = point.beginning(train).expect("a long word");
-    (encode, point.last(train))
+    let (encode, recall) = point.ends(pack.train_spec.id());
+    (encode.expect("a long word"), recall)
 }
 
 fn go_on(specs: &[StageSpec], input: &[u8], states: &[Vec<u8>]) -> Results {

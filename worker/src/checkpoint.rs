@@ -30,11 +30,30 @@ pub(crate) async fn fetch<C: ArtifactClient>(
             None
         }
     };
+    let checkpoints = match checkpoints {
+        None => fetch_encodings(client, held).await?,
+        some => some,
+    };
     Ok(Inputs {
         specs: held.jobs.iter().map(|job| job.spec.clone()).collect(),
         state,
         checkpoints,
     })
+}
+
+/// The states that recalls go on from, if they do.
+async fn fetch_encodings<C: ArtifactClient>(
+    client: &C,
+    held: &Held,
+) -> Result<Option<Vec<Vec<u8>>>, ClientError> {
+    if !held.jobs.iter().all(|job| job.spec.goes_on()) {
+        return Ok(None);
+    }
+    let mut states = vec![];
+    for hash in held.jobs.iter().filter_map(|job| job.input) {
+        states.push(Vec::from(artifact(client, hash).await?));
+    }
+    Ok(Some(states))
 }
 
 /// The artifact `hash`; damage on the way is given a second try.

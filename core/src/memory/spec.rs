@@ -374,7 +374,7 @@ impl MemoryPoint {
 
     /// The stage `recall` of this point, in the trained pack named `train`.
     ///
-    /// It encodes from the start; [`crate::model::ModelPoint::last`] lets it go on from a shared encoding.
+    /// It encodes from the start; [`crate::model::ModelPoint::ends`] lets it go on from a shared encoding.
     ///
     /// The zero waveform has no amplitude: its γ0 is 0 whatever the user said, so that it is run once per trained pack.
     #[must_use]

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::StageSpec;
+use super::{StageKind, StageSpec};
 use crate::memory::spec::{EncodeSpec, PackSpec, Precision, RecallSpec, ShapeName};
 use crate::memory::{hold_steps, ramp_steps};
 use crate::scene::FARTHEST_SKIN;
@@ -81,7 +81,12 @@ impl StageSpec {
             }
             _ => "f64",
         };
-        format!("{}/{shape}/{precision}", self.kind().name())
+        // An encoding is the beginning of a recall.
+        let kind = match self.kind() {
+            StageKind::Encode => StageKind::Recall,
+            kind => kind,
+        };
+        format!("{}/{shape}/{precision}", kind.name())
     }
 
     /// Memory of an ensemble of the memory experiment in `pack` \[bytes\], not to be exceeded (`core/tests/random_specs.rs`).

@@ -54,7 +54,7 @@ impl Store {
         plan: &SweepPlan,
         key_of: impl Fn(&Map<String, Value>) -> String,
     ) -> Result<HashMap<String, Cost>, StoreError> {
-        // Its own job, the two stages before it, and the zero waveform that it is compared with; of an ensemble's time
+        // Its own job, the two or three stages before it, and the zero waveform that it is compared with; of an ensemble's time
         // each job has its share, and a second attempt may have gone on from a checkpoint, so its time says nothing.
         const ROWS: &str = "
             with behind (parameters, job) as (
@@ -63,6 +63,10 @@ impl Store {
                 select p.parameters, j.needs from point p join job j on j.id = p.job where p.sweep = $1
                 union all
                 select p.parameters, b.needs from point p join job j on j.id = p.job join job b on b.id = j.needs
+                 where p.sweep = $1
+                union all
+                select p.parameters, c.needs from point p join job j on j.id = p.job join job b on b.id = j.needs
+                  join job c on c.id = b.needs
                  where p.sweep = $1
                 union all
                 select p.parameters, z.id from point p join job j on j.id = p.job join ensemble e on e.id = j.ensemble

@@ -108,11 +108,21 @@ pub(super) async fn job_held(
     Ok(rows.into_iter().map(held).collect())
 }
 
-/// ready → leased, for at most `lanes` jobs of `ensemble` at `checkpoint_step` that `sweep` wants; with none, any active sweep.
+/// Jobs that can run side by side.
+#[derive(Clone, Copy)]
+pub(super) struct Abreast {
+    pub(super) ensemble: i64,
+    /// The step that they go on from, if they have checkpoints.
+    pub(super) checkpoint_step: Option<i64>,
+    /// The ensemble of what they need: some go on from encodings, which end at a step of their own.
+    pub(super) after: Option<i64>,
+}
+
+/// ready → leased, for at most `lanes` jobs of those `abreast` that `sweep` wants; with none, any active sweep.
 pub(super) async fn job_take(
     transaction: &mut Writing,
     lease: i64,
-    (ensemble, checkpoint_step): (i64, Option<i64>),
+    abreast: Abreast,
     sweep: Option<i64>,
     lanes: i64,
 ) -> Result<u64, StoreError> {
@@ -121,16 +131,18 @@ pub(super) async fn job_take(
            set state = 'leased', lease = $1, attempts = attempts + 1, step = coalesce(checkpoint_step, 0)
          where id in (select j.id from job j
                        where j.state = 'ready' and j.ensemble = $2 and j.checkpoint_step is $3
+                         and (select n.ensemble from job n where n.id = j.needs) is $6
                          and exists (select 1 from want w join sweep s on s.id = w.sweep
                                       where w.job = j.id and s.state = 'active' and ($4 is null or s.id = $4))
                        order by j.id limit $5)";
     let take = sqlx::query(TAKE)
         .bind(lease)
-        .bind(ensemble)
-        .bind(checkpoint_step);
+        .bind(abreast.ensemble)
+        .bind(abreast.checkpoint_step);
     let taken = take
         .bind(sweep)
         .bind(lanes)
+        .bind(abreast.after)
         .execute(&mut **transaction)
         .await?;
     Ok(taken.rows_affected())

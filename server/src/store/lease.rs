@@ -15,7 +15,7 @@ use serde_json::Value;
 use tokio::time::Instant;
 
 use super::event::Wanting;
-use super::job;
+use super::job::{self, Abreast};
 use super::worker::{worker_asks, worker_heard};
 use super::{Store, StoreError, Writing, now_ms};
 use crate::queue::{Ending, Verdict};
@@ -63,18 +63,17 @@ impl Store {
     ) -> Result<Option<LeaseGrant>, StoreError> {
         let mut transaction = self.begin().await?;
         worker_asks(&mut transaction, request).await?;
-        let Some((sweep, ensemble, step, lanes)) = urgent(&mut transaction, request).await? else {
+        let Some((sweep, abreast, lanes)) = urgent(&mut transaction, request).await? else {
             // Only the worker's last word has changed: nobody is woken by it.
             transaction.commit().await?;
             return Ok(None);
         };
         let id = LeaseId::new();
         let lease = lease_add(&mut transaction, id, request).await?;
-        let key = (ensemble, step);
-        let first = job::job_take(&mut transaction, lease, key, Some(sweep), lanes).await?;
+        let first = job::job_take(&mut transaction, lease, abreast, Some(sweep), lanes).await?;
         let left = lanes - super::signed(first);
         if left > 0 {
-            job::job_take(&mut transaction, lease, key, None, left).await?;
+            job::job_take(&mut transaction, lease, abreast, None, left).await?;
         }
         attempts_begin(&mut transaction, lease, id, request).await?;
         let jobs = leased(&mut transaction, lease).await?;
@@ -168,7 +167,7 @@ impl Store {
 async fn urgent(
     transaction: &mut Writing,
     request: &LeaseRequest,
-) -> Result<Option<(i64, i64, Option<i64>, i64)>, StoreError> {
+) -> Result<Option<(i64, Abreast, i64)>, StoreError> {
     const SWEEPS: &str = "
         select s.id from sweep s
          where s.state = 'active' and exists (select 1 from want w where w.sweep = s.id and w.state = 'ready')
@@ -176,7 +175,7 @@ async fn urgent(
                   (select count(*) from want w where w.sweep = s.id and w.state = 'leased'),
                   s.id";
     const FIRST: &str = "
-        select j.ensemble, j.checkpoint_step, e.lanes
+        select j.ensemble, j.checkpoint_step, (select n.ensemble from job n where n.id = j.needs), e.lanes
           from want w join job j on j.id = w.job join ensemble e on e.id = j.ensemble
          where w.sweep = $1 and w.state = 'ready' and e.bytes <= $2 and e.physics = $3 ->> e.kind
          order by w.job limit 1";
@@ -185,14 +184,19 @@ async fn urgent(
         .fetch_all(&mut **transaction)
         .await?;
     for sweep in sweeps {
-        let first: Option<(i64, Option<i64>, i64)> = sqlx::query_as(FIRST)
+        let first: Option<(i64, Option<i64>, Option<i64>, i64)> = sqlx::query_as(FIRST)
             .bind(sweep)
             .bind(super::signed(request.memory_bytes))
             .bind(&physics)
             .fetch_optional(&mut **transaction)
             .await?;
-        if let Some((ensemble, step, lanes)) = first {
-            return Ok(Some((sweep, ensemble, step, lanes)));
+        if let Some((ensemble, checkpoint_step, after, lanes)) = first {
+            let abreast = Abreast {
+                ensemble,
+                checkpoint_step,
+                after,
+            };
+            return Ok(Some((sweep, abreast, lanes)));
         }
     }
     Ok(None)

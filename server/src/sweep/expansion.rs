@@ -86,6 +86,10 @@ struct Trunk {
     /// The stage before the last.
     needs: StageId,
     ensemble: StageId,
+    /// Every stage before the last, for what follows them.
+    before: Vec<StageSpec>,
+    /// The beginnings that are queued already.
+    begun: HashSet<StageId>,
 }
 
 impl<'a> Expansion<'a> {
@@ -130,7 +134,7 @@ impl<'a> Expansion<'a> {
     /// Adds the point at hand, and the jobs of its trunk if it is the first there.
     fn point(&mut self, chunk: &mut Chunk) {
         let choice = Choice::of(self.plan.model, self.axes(), self.trunk, self.leaf);
-        let trunk = match self.current.take() {
+        let mut trunk = match self.current.take() {
             Some(trunk) => trunk,
             None => self.plant(&choice, chunk),
         };
@@ -139,7 +143,10 @@ impl<'a> Expansion<'a> {
             let mut point = trunk.point.clone();
             choice.set_leaves(self.axes(), &mut point);
             self.warn(&point);
-            let spec = point.last(trunk.needs);
+            let (beginning, spec) = point.ends(trunk.needs);
+            if let Some(beginning) = beginning {
+                trunk.begin(beginning, chunk);
+            }
             let id = spec.id();
             chunk.points.push(NewPoint {
                 point: self.first_point + choice.number,
@@ -203,6 +210,8 @@ impl<'a> Expansion<'a> {
             point,
             needs,
             ensemble,
+            before: stages[..stages.len() - 1].to_vec(),
+            begun: HashSet::new(),
         }
     }
 
@@ -239,6 +248,25 @@ impl<'a> Expansion<'a> {
                 self.warnings.push(warning);
             }
         }
+    }
+}
+
+impl Trunk {
+    /// Queues what some of its last stages share, once.
+    fn begin(&mut self, beginning: StageSpec, chunk: &mut Chunk) {
+        let id = beginning.id();
+        if !self.begun.insert(id) {
+            return;
+        }
+        let ensemble = beginning.ensemble_key();
+        chunk
+            .ensembles
+            .push(new_ensemble(ensemble, &beginning, &self.before));
+        chunk.jobs.push(NewJob {
+            id,
+            spec: beginning,
+            ensemble,
+        });
     }
 }
 

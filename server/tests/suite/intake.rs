@@ -1,5 +1,6 @@
 //! Intake of a large sweep: counts and limits.
 
+use granary_core::stage::StageKind;
 use serde_json::json;
 
 use crate::harness::{fresh, fresh_with, sweep_of};
@@ -12,10 +13,10 @@ async fn hundred_thousand_points_are_taken_in_and_the_table_shows_them_all() {
         "grid": [{"friction_coefficient": {"linspace": [0, 1, 25]}, "waveform": {"suite": "binary_words", "bits": 12}}],
     });
     let submitted = fresh.submit(&spec).await;
-    // One pack; for each friction a train and a zero.
+    // One pack; for each friction a train, a zero, and an encoding for every eight words.
     assert_eq!(
         (submitted.points, submitted.jobs.total),
-        (102_400, 102_400 + 1 + 25 + 25)
+        (102_400, 102_400 + 1 + 25 * (1 + 1 + 512))
     );
     let sweep = sweep_of(&submitted);
     let page = fresh
@@ -45,16 +46,23 @@ async fn points_that_share_a_job_are_counted_with_it_wherever_they_stand() {
         })
     };
     let submitted = fresh.submit(&spec("three", &[0.2, 0.4, 0.6])).await;
-    // A pack, a train and a zero.
-    let jobs = 1024 + 3;
+    // A pack, a train, a zero, and the encodings.
+    let jobs = 1024 + 3 + 128;
     assert_eq!((submitted.points, submitted.jobs.total), (3072, jobs));
     assert_eq!(submitted.jobs.new, jobs);
     for _ in 0..2 {
         let grant = fresh.take().await.expect("the pack, then the train");
         fresh.complete(grant.lease, &grant.jobs).await;
     }
-    let recalls = fresh.take().await.expect("recalls");
-    fresh.complete(recalls.lease, &recalls.jobs).await;
+    let mut before = 2;
+    let recalls = loop {
+        let grant = fresh.take().await.expect("encodings, then recalls");
+        fresh.complete(grant.lease, &grant.jobs).await;
+        if grant.jobs[0].spec.kind() == StageKind::Recall {
+            break grant;
+        }
+        before += grant.jobs.len() as u64;
+    };
     let sweep = sweep_of(&submitted);
     let zero = recalls
         .jobs
@@ -66,7 +74,7 @@ async fn points_that_share_a_job_are_counted_with_it_wherever_they_stand() {
     let more = fresh.submit(&spec("two", &[0.6, 0.8])).await;
     assert_eq!((more.points, more.jobs.new), (2048, 0));
     assert_eq!(more.points_done, points / 3 * 2);
-    assert_eq!(more.jobs.done, 2 + recalls.jobs.len() as u64);
+    assert_eq!(more.jobs.done, before + recalls.jobs.len() as u64);
 }
 
 #[tokio::test]

@@ -5,7 +5,7 @@ use std::time::Duration;
 use granary_api::id::LeaseId;
 use granary_api::job::JobState;
 use granary_api::lease::{Heartbeat, JobProgress, LeasedJob};
-use granary_core::stage::StageKind;
+use granary_core::stage::{StageKind, StageSpec};
 use granary_server::StoreError;
 use granary_server::reaper::Reaper;
 use serde_json::json;
@@ -49,6 +49,50 @@ async fn jobs_come_in_the_order_of_their_needs_and_recalls_of_one_pack_together(
     assert_eq!(of(StageKind::Train), [1; 4]);
     // Three waveforms and the zero beside them, in each of four trained packs.
     assert_eq!(of(StageKind::Recall), [4; 4]);
+}
+
+#[tokio::test]
+async fn words_go_on_from_encodings_and_never_beside_what_begins_elsewhere() {
+    let fresh = fresh().await;
+    let spec = json!({
+        "name": "words", "model": "memory", "fixed": {"grains": 10}, "preset": "paper",
+        "grid": [
+            {"waveform": {"suite": "binary_words", "bits": 5}},
+            {"waveform": {"suite": "binary_words", "bits": 6}},
+            {"waveform": {"suite": "six"}},
+        ],
+    });
+    let submitted = fresh.submit(&spec).await;
+    // A pack, a train and a zero; an encoding for every eight words.
+    assert_eq!(submitted.jobs.total, 32 + 64 + 6 + 3 + 4 + 8);
+    let mut counts = std::collections::BTreeMap::new();
+    while let Some(grant) = fresh.take().await {
+        let needs = |job: &LeasedJob| job.spec.needs();
+        let goes_on = grant.jobs[0].spec.goes_on();
+        for job in &grant.jobs {
+            // What is side by side begins at one step: of one trained pack, or of encodings of one length.
+            assert_eq!(job.spec.goes_on(), goes_on);
+            assert!(goes_on || needs(job) == needs(&grant.jobs[0]));
+            assert_eq!(steps_before(job), steps_before(&grant.jobs[0]));
+            assert_eq!(job.input.is_some(), job.spec.kind() != StageKind::Pack);
+        }
+        let kind = grant.jobs[0].spec.kind();
+        *counts.entry((kind, goes_on)).or_insert(0) += grant.jobs.len();
+        fresh.complete(grant.lease, &grant.jobs).await;
+    }
+    assert_eq!(counts[&(StageKind::Encode, false)], 4 + 8);
+    assert_eq!(counts[&(StageKind::Recall, true)], 32 + 64);
+    assert_eq!(counts[&(StageKind::Recall, false)], 6 + 1);
+    let sweep = sweep_of(&submitted);
+    let done = fresh.store.sweep_read(sweep).await.expect("the sweep");
+    assert_eq!(done.points.done, 32 + 64 + 6);
+}
+
+fn steps_before(job: &LeasedJob) -> u64 {
+    match &job.spec {
+        StageSpec::Recall(recall) => recall.steps_before(),
+        _ => 0,
+    }
 }
 
 #[tokio::test]

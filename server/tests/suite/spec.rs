@@ -151,9 +151,15 @@ fn whole_reals_and_key_order_of_sections_do_not_make_another_sweep() {
 fn another_physics_makes_another_sweep() {
     // Else a data directory would answer with what an older engine computed.
     let sweep = plan(&json!({"model": "memory", "fixed": {"grains": 10}}));
-    let now = [StageKind::Pack, StageKind::Train, StageKind::Recall].map(StageKind::physics);
+    let kinds = [
+        StageKind::Pack,
+        StageKind::Train,
+        StageKind::Encode,
+        StageKind::Recall,
+    ];
+    let now = kinds.map(StageKind::physics);
     assert_eq!(sweep.identity(), sweep.identity_with(&now));
-    let later = [now[0], now[1], now[2] + 1];
+    let later = [now[0], now[1], now[2], now[3] + 1];
     assert_ne!(sweep.identity(), sweep.identity_with(&later));
 }
 

@@ -74,6 +74,7 @@ fn config() -> Config {
 fn recall(number: u8) -> StageSpec {
     StageSpec::Recall(RecallSpec {
         train: granary_core::identity::StageId::of_bytes(b"trained pack"),
+        encode: None,
         waveform: Waveform::Six(number),
         gamma0: 1e-3,
         time_step: 1.5,
