@@ -207,20 +207,25 @@ fn cycles<S: Shape>(
     let before = servo_steps + (spec.gas_time / spec.preparation_time_step).ceil() as u64;
     let last = drive.cycle.steps();
     let walls = drive.scene.walls.reference();
-    run::drive(&mut drive, (before as i64, last), progress, &|drive, k| {
-        let header = Header {
-            stage: stage.to_owned(),
-            step: before + drive.step,
-            phase: Phase::Cycles,
-            phase_step: drive.step,
-            servo: Servo::new(spec.servo_pressure, SERVO_SPEED),
-            servo_steps,
-            walls,
-            critical_at_start: drive.critical_at_start(),
-            track: drive.tracks[k].clone(),
-        };
-        run::checkpoint_of(&drive.scene, k, header).to_bytes()
-    })?;
+    run::drive(
+        &mut drive,
+        (before.cast_signed(), last),
+        progress,
+        &|drive, k| {
+            let header = Header {
+                stage: stage.to_owned(),
+                step: before + drive.step,
+                phase: Phase::Cycles,
+                phase_step: drive.step,
+                servo: Servo::new(spec.servo_pressure, SERVO_SPEED),
+                servo_steps,
+                walls,
+                critical_at_start: drive.critical_at_start(),
+                track: drive.tracks[k].clone(),
+            };
+            run::checkpoint_of(&drive.scene, k, header).to_bytes()
+        },
+    )?;
     if let Some((step, stop)) = drive.stops[0].take() {
         return Err(run::stopped(before + step, stop));
     }

@@ -104,7 +104,7 @@ pub(crate) fn run<R: Replicas, P: Physics>(
     };
     // The last sample, at u = 0, is the step after the last ramp.
     let end = recalls.until.unwrap_or(drive.cycle.steps() + 1);
-    let before = -(recalls.specs[0].steps_before() as i64);
+    let before = -recalls.specs[0].steps_before().cast_signed();
     run::drive(&mut drive, (before, end), progress, &save)?;
     let outcome = |(k, spec): (usize, &RecallSpec)| match &drive.stops[k] {
         Some((step, stop)) => Err(run::stopped(*step, stop.clone())),
