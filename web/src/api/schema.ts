@@ -649,7 +649,7 @@ export interface components {
         LeasedJob: Record<string, unknown> & {
             /** @description The latest checkpoint of an earlier attempt. */
             checkpoint?: string | null;
-            /** @description The state that it starts from; none for `pack`. The same for every job of a lease. */
+            /** @description The state that it starts from; none for `pack`. The same for every job of a lease, but for recalls that go on from encodings. */
             input?: string | null;
             /** @description The job. */
             job: string;
