@@ -156,9 +156,9 @@ fn sixteen_workers_started_before_their_server_compute_each_point_once() {
         .iter()
         .filter_map(|worker| worker["done"].as_u64())
         .sum();
-    // A pack, a trained pack, 64 words and the zero signal.
+    // A pack, a trained pack, 64 words, an encoding for every eight of them, and the zero signal.
     assert_eq!(
         (Some(done), done),
-        (submitted["jobs"]["total"].as_u64(), 67)
+        (submitted["jobs"]["total"].as_u64(), 75)
     );
 }
