@@ -17,7 +17,9 @@ pub struct Signal {
     pub decode: Vec<f64>,
     /// During the decompression of the second cycle, which carries no waveform; empty if there was none.
     pub second_decode: Vec<f64>,
-    /// What a last digit is worth \[Pa\]: the mean of p_x and p_y while the pack is decompressed, times ε of the number type.
+    /// What a last digit is worth \[Pa\]: the mean of p_x and p_y while the pack is decompressed, times ε of the number type; 0 where
+    /// an engine before physics version 9 has not told it.
+    #[serde(default)]
     pub resolution: f64,
 }
 
@@ -257,6 +259,13 @@ mod tests {
         assert!(Score::missing_reason(&silent).is_some());
         let zero = Dots::of(&[1.0; SAMPLES], &Waveform::Zero.bumps(), 0.0);
         assert_eq!(Score::of(&zero, 1.0, 0.05, 1e-3).gain, None);
+    }
+
+    #[test]
+    fn signal_of_an_older_engine_can_still_be_read() {
+        let old = r#"{"encode":[],"decode":[1.0],"second_decode":[]}"#;
+        let signal: Signal = serde_json::from_str(old).expect("a signal of physics version 8");
+        assert_eq!((signal.decode, signal.resolution), (vec![1.0], 0.0));
     }
 
     #[test]

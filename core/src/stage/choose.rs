@@ -133,9 +133,14 @@ fn recalled(ensemble: &Ensemble<'_>, width: VectorWidth, progress: &mut Progress
         return Err(input("the jobs of an ensemble must begin at one step"));
     }
     // One that goes on alone may be given its encoding's state as its input only.
-    let alone = [ensemble.input.to_vec()];
+    let alone;
     let (past, trained, saved) = if goes_on {
-        let saved = ensemble.checkpoints.unwrap_or(&alone);
+        let saved = if let Some(saved) = ensemble.checkpoints {
+            saved
+        } else {
+            alone = [ensemble.input.to_vec()];
+            &alone
+        };
         (recall::past(ensemble.input)?, None, Some(saved))
     } else {
         let state = read(ensemble.input)?;
