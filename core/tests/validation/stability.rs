@@ -12,7 +12,6 @@ use std::time::Instant;
 use granary_core::beam::point::BeamPoint;
 use granary_core::identity::canonical_json;
 use granary_core::model::Model;
-use granary_core::physics::PHYSICS_VERSION;
 use granary_core::stage::StageFailure;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, json};
@@ -24,8 +23,11 @@ use crate::tiny_beam;
 mod cells;
 #[path = "stability/drawn.rs"]
 mod drawn;
+#[path = "stability/kept.rs"]
+mod kept;
 
 use cells::{Cell, corners, one_at_a_time};
+use kept::Kept;
 
 /// Grains of a pack where nothing else is said.
 const GRAINS: u32 = 325;
@@ -446,33 +448,11 @@ fn measured_beam(
     Ok(measured.with_packings(&[true], &[reference], of_packing))
 }
 
-/// What was found when a cell was last looked at with this physics; `look` otherwise.
-///
-/// Stops are looked at anew: they depend on guards and rules, too.
-fn kept(cell: &Cell, look: impl Fn(&Map<String, Value>) -> Found) -> Found {
-    let name = format!("{} {} {PHYSICS_VERSION}.json", cell.factor, cell.value);
-    let name = name.replace(|c: char| !(c.is_ascii_alphanumeric() || c == '.'), "_");
-    let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("stability");
-    std::fs::create_dir_all(&folder).expect("a folder to write to");
-    let text = std::fs::read_to_string(folder.join(&name)).unwrap_or_default();
-    match serde_json::from_str::<(Map<String, Value>, Found)>(&text) {
-        Ok((changes, found)) if changes == cell.changes => found,
-        _ => {
-            let found = look(&cell.changes);
-            if matches!(found, Found::Measured(_)) {
-                let text = canonical_json(&(&cell.changes, &found));
-                std::fs::write(folder.join(&name), text).expect("a folder to write to");
-            }
-            found
-        }
-    }
-}
-
 /// Looks at all cells, on all cores; tells how far it is.
 #[expect(clippy::disallowed_methods, reason = "no result depends on it")]
 fn all(cells: &[Cell]) -> Vec<Found> {
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
-    let (next, start) = (AtomicUsize::new(0), Instant::now());
+    let (next, start, kept) = (AtomicUsize::new(0), Instant::now(), Kept::open());
     let work = || {
         let mut found = BTreeMap::new();
         loop {
@@ -481,7 +461,7 @@ fn all(cells: &[Cell]) -> Vec<Found> {
                 return found;
             };
             let began = Instant::now();
-            let seen = kept(cell, if cell.beam { beam_cell } else { pack_cell });
+            let seen = kept.or(cell, if cell.beam { beam_cell } else { pack_cell });
             let elapsed = start.elapsed().as_secs_f64();
             let left = elapsed / (n + 1) as f64 * (cells.len() - n - 1) as f64;
             eprintln!(
@@ -526,8 +506,8 @@ fn every_cell_is_right_or_stopped_with_a_reason() {
     }
     println!("{text}");
     if std::env::var("ONLY").is_err() {
-        let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/stability");
-        std::fs::create_dir_all(&folder).expect("a folder to write to");
+        kept::rewrite(&cells, &found);
+        let folder = kept::folder();
         std::fs::write(folder.join("cells.md"), &text).expect("a folder to write to");
         std::fs::write(folder.join("map.svg"), drawn::map(&cells, &found)).expect("a folder");
     }

@@ -90,8 +90,8 @@ pub(super) fn one_at_a_time() -> Vec<Cell> {
         })
     };
     // Sound dies slowly in large packs; ramps as short as these need a drag.
-    let large = [3_267, 10_240, 100_000].map(|grains| {
-        let changes = json!({"grains": grains, "drag": 0.01});
+    let large = [(3_267, 6000.0), (10_240, 6000.0), (100_000, 1500.0)].map(|(grains, ramp)| {
+        let changes = json!({"grains": grains, "drag": 0.01, "ramp": ramp});
         Cell {
             factor: "grains",
             value: grains.to_string(),
