@@ -102,7 +102,7 @@ pub trait Replicas: Row {
 
 /// What a step needs besides the state; nothing in it outlives the step.
 #[doc(hidden)]
-pub trait Work<R: Row>: Clone + Send {
+pub trait Work<R: Row>: Clone + Send + Sync {
     /// Room for the steps of `grains`.
     fn new<P: Physics>(grains: &Grains<R>) -> Self;
 

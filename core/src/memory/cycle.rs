@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::waveform::{Bumps, SAMPLES};
+use crate::crew;
 use crate::guard::{Guard, Stop, alternation};
 use crate::lanes::dither;
 use crate::math::Vec3;
@@ -326,18 +327,22 @@ impl<R: Replicas, P: Physics> Drive<R, P> {
         }
     }
 
+    /// In every replica, side by side on the threads of the job.
     fn measure_critical_time_step(&mut self) {
         let time_step = self.scene.laws.time_step;
-        for k in 0..self.programs.len() {
-            if self.stops[k].is_none() {
-                let critical = critical_time_step(&self.scene, k, self.across);
-                let track = &mut self.tracks[k];
-                if critical.at_least < track.critical_time_step.at_least {
-                    track.critical_time_step = critical;
-                }
-                if let Err(stop) = self.guard.admit(time_step, critical) {
-                    self.stop(k, stop);
-                }
+        let running = (0..self.programs.len()).filter(|&k| self.stops[k].is_none());
+        let mut measured: Vec<_> = running.map(|k| (k, CriticalTimeStep::NONE)).collect();
+        let (scene, across) = (&self.scene, self.across);
+        crew::each(&mut measured, &|(k, critical)| {
+            *critical = critical_time_step(scene, *k, across);
+        });
+        for (k, critical) in measured {
+            let track = &mut self.tracks[k];
+            if critical.at_least < track.critical_time_step.at_least {
+                track.critical_time_step = critical;
+            }
+            if let Err(stop) = self.guard.admit(time_step, critical) {
+                self.stop(k, stop);
             }
         }
     }

@@ -143,6 +143,16 @@ pub(super) struct Action<L> {
 }
 
 impl<L: Lane> Action<L> {
+    /// The same where two touch; where not, what may not be numbers becomes an exact zero, and turns nothing.
+    #[inline(always)]
+    pub(super) fn keep(self, touching: L::Mask) -> Self {
+        Self {
+            force: self.force.keep(touching),
+            turning: self.turning.keep(touching),
+            ..self
+        }
+    }
+
     /// On `i`, about its center of mass.
     #[inline(always)]
     pub(super) fn torque_i(&self) -> Vec3<L> {

@@ -429,15 +429,15 @@ fn interact_eight<W: Lane<Row = F64x8, Scalar = f64>, P: Physics>(
         &mut history,
     );
     remember::<W, P::Tangential>(&history, touching, histories);
-    let force = action.force.keep(touching);
+    let action = action.keep(touching);
     let (mut on_i, mut on_j) = (Vec3::zero(), Vec3::zero());
     if P::SPINS {
-        on_i = action.torque_i().keep(touching);
-        on_j = action.torque_j().keep(touching);
+        on_i = action.torque_i();
+        on_j = action.torque_j();
     }
     let spare = [W::constant(0.0); 2];
-    let on_i = records(force, on_i, spare);
-    let on_j = records(force.scale(W::constant(-1.0)), on_j, spare);
+    let on_i = records(action.force, on_i, spare);
+    let on_j = records(action.force.scale(W::constant(-1.0)), on_j, spare);
     adding.add(candidates, [on_i, on_j]);
 }
 

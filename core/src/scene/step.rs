@@ -479,16 +479,15 @@ fn act<L: Lane, P: Physics>(
     for (row, lanes) in rows.iter_mut().zip(history.as_slice()) {
         lanes.keep(touch.touching).store(row);
     }
-    // Lanes that do not touch may hold what is not a number, and add nothing.
-    let force = action.force.keep(touch.touching);
+    let action = action.keep(touch.touching);
     let (mut on_i, mut on_j) = (Vec3::zero(), Vec3::zero());
     if P::SPINS {
-        on_i = action.torque_i().keep(touch.touching);
-        on_j = action.torque_j().keep(touch.touching);
+        on_i = action.torque_i();
+        on_j = action.torque_j();
     }
-    sink.react::<L, P>(j, force, on_j);
+    sink.react::<L, P>(j, action.force, on_j);
     let of = Load {
-        force,
+        force: action.force,
         torque: on_i,
     };
     sink.act::<L, P>(of, load);
