@@ -245,10 +245,15 @@ fn recalled(point: &MemoryPoint, packed: &Outcome) -> Result<Recalled, String> {
     }
 }
 
-/// What the second departs by from the first: 𝒢 relatively, 𝓕 absolutely.
-fn deviation(from: &Recalled, of: &Recalled) -> Vec<f64> {
+/// What `of` departs by from another: 𝒢 in units of the reference's, 𝓕 absolutely.
+///
+/// Not of the other's own: where there is next to no memory, that is next to nothing.
+fn deviation(reference: &Recalled, from: &Recalled, of: &Recalled) -> Vec<f64> {
     let [gain, fidelity] = from.scores;
-    vec![of.scores[0] / gain - 1.0, of.scores[1] - fidelity]
+    vec![
+        (of.scores[0] - gain) / reference.scores[0],
+        of.scores[1] - fidelity,
+    ]
 }
 
 /// Which rule a point breaks, if any: it would not be queued.
@@ -325,7 +330,7 @@ fn measured_pack(point: &MemoryPoint) -> Result<Measured, String> {
     let mut squares = vec![0.0; ALLOWED.len()];
     let others: &[f64] = if large { &[] } else { &OTHER_STEPS };
     for share in others {
-        let other = deviation(&reference, &double(share * time_step)?);
+        let other = deviation(&reference, &reference, &double(share * time_step)?);
         for (square, other) in squares.iter_mut().zip(other) {
             *square += other * other / OTHER_STEPS.len() as f64;
         }
@@ -349,10 +354,10 @@ fn measured_pack(point: &MemoryPoint) -> Result<Measured, String> {
     };
     let measured = Measured {
         critical,
-        deviation: deviation(&reference, &near),
+        deviation: deviation(&reference, &reference, &near),
         own: squares.into_iter().map(f64::sqrt).collect(),
         rounding: single.as_ref().map_or(0.0, |single| single.rounding),
-        single: single.map(|single| deviation(&near, &single)),
+        single: single.map(|single| deviation(&reference, &near, &single)),
         beyond,
         fidelity: Some(reference.scores[1]),
         packings: vec![],
