@@ -48,6 +48,12 @@ fn current(beam: bool) -> u32 {
     if beam { physics::BEAM } else { physics::RECALL }
 }
 
+/// What a cell is known by, in whichever order its changes are written.
+fn name(beam: bool, changes: &Map<String, Value>) -> String {
+    let sorted: BTreeMap<_, _> = changes.iter().collect();
+    canonical_json(&(beam, sorted))
+}
+
 /// Cells that have been looked at with this physics. A line that is deleted is looked at again.
 pub(super) struct Kept {
     found: BTreeMap<String, Found>,
@@ -64,7 +70,7 @@ impl Kept {
             .filter_map(|line| serde_json::from_str::<Line>(line).ok());
         let found = lines
             .filter(|line| line.physics == current(line.beam))
-            .map(|line| (canonical_json(&(line.beam, &line.changes)), line.found))
+            .map(|line| (name(line.beam, &line.changes), line.found))
             .collect();
         let file = fs::OpenOptions::new().append(true).create(true).open(path);
         Self {
@@ -75,7 +81,7 @@ impl Kept {
 
     /// What was found, or `look`.
     pub(super) fn or(&self, cell: &Cell, look: fn(&Map<String, Value>) -> Found) -> Found {
-        let name = canonical_json(&(cell.beam, &cell.changes));
+        let name = name(cell.beam, &cell.changes);
         self.found.get(&name).cloned().unwrap_or_else(|| {
             let found = look(&cell.changes);
             let line = canonical_json(&Line::of(cell, &found));
