@@ -264,9 +264,7 @@ fn read<'a, S: Shape>(
     width: VectorWidth,
 ) -> Result<Saved<'a, S>, StageFailure> {
     let saved: Checkpoint<Header> =
-        run::read_checkpoint(&[Some(&stage.to_owned())], bytes, |header: &Header| {
-            &header.stage
-        })?;
+        run::read_checkpoint(&[stage], bytes, |header: &Header| &header.stage)?;
     let header = saved.header.clone();
     let laws = laws::<S>(spec, width);
     if header.phase == Phase::Cycles {

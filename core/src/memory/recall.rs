@@ -183,7 +183,8 @@ fn resumed<R: Replicas, P: Physics>(
     let mut saved: Vec<Checkpoint<Header>> = vec![];
     for ((stage, spec), bytes) in recalls.stages.iter().zip(recalls.specs).zip(checkpoints) {
         let encode = spec.encode.map(|id| id.to_string());
-        let stages = [Some(stage), encode.as_ref()];
+        let mut stages = vec![stage.as_str()];
+        stages.extend(encode.as_deref());
         saved.push(run::read_checkpoint(&stages, bytes, |header: &Header| {
             &header.stage
         })?);

@@ -100,7 +100,7 @@ fn remembered<R: Replicas, P: Physics>(scene: &Scene<R, P>, k: usize) -> Vec<Rem
 
 /// Reads a checkpoint and makes sure that it belongs to one of `stages`.
 pub(crate) fn read_checkpoint<H: Serialize + DeserializeOwned>(
-    stages: &[Option<&String>],
+    stages: &[&str],
     bytes: &[u8],
     stage_of: impl Fn(&H) -> &String,
 ) -> Result<Checkpoint<H>, StageFailure> {
@@ -109,9 +109,8 @@ pub(crate) fn read_checkpoint<H: Serialize + DeserializeOwned>(
     };
     let saved = Checkpoint::<H>::from_bytes(bytes).map_err(input)?;
     let found = stage_of(&saved.header);
-    if !stages.contains(&Some(found)) {
-        let own = stages.iter().copied().flatten().next();
-        let own = own.map_or("", String::as_str);
+    if !stages.contains(&found.as_str()) {
+        let own = stages.join(" or ");
         return Err(input(format!("it belongs to {found}, not to {own}")));
     }
     Ok(saved)

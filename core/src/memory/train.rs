@@ -148,9 +148,7 @@ fn resumed<P: Physics>(
     chosen: &Chosen<P>,
 ) -> Result<Drive<F64x1, P>, StageFailure> {
     let saved: Checkpoint<Header> =
-        run::read_checkpoint(&[Some(&stage.to_owned())], bytes, |header: &Header| {
-            &header.stage
-        })?;
+        run::read_checkpoint(&[stage], bytes, |header: &Header| &header.stage)?;
     let header = saved.header.clone();
     let laws = laws(&input.past, chosen, spec.skin, spec.ramp, spec.time_step);
     let scene = run::restored(laws, input.past.walls, &[saved])?;

@@ -130,9 +130,7 @@ impl Waveform {
             Self::Bumps(bumps) => bumps.clone(),
         }
     }
-}
 
-impl Waveform {
     /// The word with the same beginning whose last bits are zero, and the u up to which the two are the same waveform.
     #[must_use]
     pub fn beginning(&self) -> Option<(Self, f64)> {
