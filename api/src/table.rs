@@ -109,6 +109,19 @@ pub struct SetRow {
     /// While `provisional`, it speaks of the members that count so far, never of those to come.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub missing_reason: Option<String>,
+    /// What a reader of the numbers should know: that they are noise.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub warning: Option<String>,
+}
+
+impl SetRow {
+    /// Why numbers are missing, and what to know of those that are not.
+    #[must_use]
+    pub fn remark(&self) -> String {
+        let parts = [&self.missing_reason, &self.warning];
+        let told: Vec<&str> = parts.into_iter().filter_map(Option::as_deref).collect();
+        told.join("; ")
+    }
 }
 
 #[cfg(test)]

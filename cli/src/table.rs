@@ -194,7 +194,7 @@ pub(crate) fn sets(rows: &[SetRow]) -> Table {
             let _ = write!(n, " of {}", row.of);
         }
         cells.push(n);
-        cells.push(row.missing_reason.clone().unwrap_or_default());
+        cells.push(row.remark());
         table.push(cells);
     }
     table

@@ -18,9 +18,11 @@ use granary_core::force::{AffineDrag, BodyForce};
 use granary_core::grains::{Grains, Pose, Size, UPRIGHT};
 use granary_core::lanes::{F32x16, F64x1, F64x8, VectorWidth};
 use granary_core::material::{Elastic, Material};
+use granary_core::membrane::{Cuboid, Membrane, Sheet};
 use granary_core::observable::critical_time_step::{Across, critical_time_step};
 use granary_core::observable::observe;
-use granary_core::scene::{Laws, Replicas, Scene, With};
+use granary_core::scene::casing::{Casing, Grip, Press};
+use granary_core::scene::{Encased, Laws, Physics, Replicas, Scene, With};
 use granary_core::shape::{Body, GradedSphere, Shape, Sphere, Tetrahedron};
 use granary_core::wall::Walls;
 
@@ -38,11 +40,20 @@ const HOOKE: Hooke = Hooke {
 
 /// A lattice of grains that just touch; where there are walls, they do too.
 fn lattice<R: Replicas, S: Shape, T: TangentialLaw, B: BodyForce>(
-    (body, spacing): (Body, f64),
+    grains: (Body, f64),
     tangential: T,
     body_force: B,
     walls: bool,
 ) -> Scene<R, With<S, T, B>> {
+    within(grains, (tangential, body_force), walls, ())
+}
+
+fn within<R: Replicas, P: Physics>(
+    (body, spacing): (Body, f64),
+    (tangential, body_force): (P::Tangential, P::Body),
+    walls: bool,
+    surroundings: P::Surroundings,
+) -> Scene<R, P> {
     let laws = Laws {
         body,
         material: Material::new(0.49, 0.23, 2f64.powf(1.5)),
@@ -66,16 +77,45 @@ fn lattice<R: Replicas, S: Shape, T: TangentialLaw, B: BodyForce>(
     } else {
         (-1e3, 1e3)
     };
-    let mut grains = Grains::at_rest(poses, &laws.body, T::TANGENTIAL || S::SPHERES > 1);
-    if S::GRADED {
+    let mut grains = Grains::at_rest(poses, &laws.body, P::SPINS);
+    if P::GRADED {
         let sizes = vec![Size::sphere(1.0, 1.0); grains.len()];
         grains = grains.graded(sizes);
     }
-    Scene::new(
-        laws,
-        grains,
-        Walls::at_rest([low, high, low, high, low, high]),
-    )
+    let walls = Walls::at_rest([low, high, low, high, low, high]);
+    Scene::within(laws, grains, walls, surroundings)
+}
+
+/// A membrane around the lattice that touches all outer grains and is held in place, of triangles a grain wide.
+fn membrane(spacing: f64) -> Casing {
+    let middle = 0.5 * spacing * (ACROSS - 1) as f64;
+    let side = 2.0 * (middle + 0.99);
+    let cuboid = Cuboid {
+        length: side,
+        height: side,
+        depth: side,
+        edge_length: side / ACROSS as f64,
+    };
+    let sheet = Sheet {
+        youngs_modulus: 1.0,
+        thickness: 0.1,
+        density: 1.0,
+        damping_ratio: 0.1,
+        bending: None,
+    };
+    let mesh = cuboid.mesh().expect("a cube");
+    let vertices: Vec<u32> = (0..mesh.positions().len() as u32).collect();
+    let mut membrane = Membrane::new(mesh, &sheet).expect("a sheet");
+    for position in membrane.positions_mut() {
+        *position = position.map(|x| x + middle);
+    }
+    membrane.hold(&vertices, [true; 3]);
+    let grip = Grip {
+        material: Material::new(0.49, 0.23, 2f64.powf(1.5)),
+        tangential: mindlin(),
+        areal_density: 0.1,
+    };
+    Casing::new(membrane, grip, Press::default())
 }
 
 fn spheres() -> (Body, f64) {
@@ -112,17 +152,14 @@ struct Timed {
     times: Vec<f64>,
 }
 
-fn timed<R: Replicas + 'static, S: Shape, T: TangentialLaw, B: BodyForce>(
-    name: &'static str,
-    mut scene: Scene<R, With<S, T, B>>,
-) -> Timed {
+fn timed<R: Replicas + 'static, P: Physics>(name: &'static str, mut scene: Scene<R, P>) -> Timed {
     scene.step();
     Timed {
         name,
         grains: scene.grains.len(),
         contacts: scene.touching(),
         bytes_per_grain: scene.bytes_per_grain(),
-        bytes_per_contact: Scene::<R, With<S, T, B>>::bytes_per_candidate(),
+        bytes_per_contact: Scene::<R, P>::bytes_per_candidate(),
         time: Box::new(move || {
             let start = Instant::now();
             for _ in 0..STEPS {
@@ -177,8 +214,28 @@ fn median(times: &mut [f64]) -> f64 {
     times[times.len() / 2]
 }
 
-fn compare<R: Replicas + 'static>(lanes: &str) {
-    let mut scenes = scenes::<R>();
+/// Grains in a membrane, which run alone, and the same without.
+fn encased() -> Vec<Timed> {
+    let casing = membrane(spheres().1);
+    let mesh = casing.membrane.mesh();
+    let (vertices, triangles) = (mesh.positions().len(), mesh.triangles().len());
+    let scene = within::<F64x1, Encased<_, ()>>(spheres(), (mindlin(), ()), false, casing);
+    let mut touched = scene.clone();
+    touched.step();
+    println!(
+        "\nA membrane of {vertices} vertices and {triangles} triangles, {} grains touch it",
+        touched.surroundings.held().count()
+    );
+    vec![
+        timed(
+            "spheres of different sizes, friction (Mindlin's spring)",
+            lattice::<F64x1, GradedSphere, _, _>(spheres(), mindlin(), (), false),
+        ),
+        timed("+ a membrane that they touch", scene),
+    ]
+}
+
+fn compare(lanes: &str, mut scenes: Vec<Timed>) {
     for _ in 0..ROUNDS {
         for scene in &mut scenes {
             let time = (scene.time)();
@@ -237,9 +294,10 @@ fn guard<R: Replicas>(lanes: &str) {
 }
 
 fn main() {
-    compare::<F64x1>("a lone run");
-    compare::<F64x8>("eight replicas in f64");
-    compare::<F32x16>("sixteen replicas in f32");
+    compare("a lone run", scenes::<F64x1>());
+    compare("eight replicas in f64", scenes::<F64x8>());
+    compare("sixteen replicas in f32", scenes::<F32x16>());
+    compare("in a membrane", encased());
     println!();
     guard::<F64x1>("a lone run");
     guard::<F64x8>("eight replicas in f64");

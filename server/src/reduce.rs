@@ -117,6 +117,7 @@ fn scored(set: Collected, processing: Processing) -> SetRow {
         ("fidelity", score.fidelity),
         ("correlation", score.correlation),
         ("rounding_error", score.rounding_error),
+        ("noise_to_signal", score.noise_to_signal),
     ];
     SetRow {
         set: 0,
@@ -134,6 +135,7 @@ fn scored(set: Collected, processing: Processing) -> SetRow {
         of: set.of,
         provisional: set.open,
         missing_reason: reason,
+        warning: score.warning(),
     }
 }
 
@@ -239,8 +241,23 @@ fn mean(parameters: Map<String, Value>, members: &[&SetRow]) -> SetRow {
         of: members.len() as u64,
         provisional,
         missing_reason: mean_reason(members, &counted, provisional, gaps),
+        warning: warning_of(&counted),
         results,
     }
+}
+
+/// What a reader of numbers taken from these should know: the first warning, and of how many.
+fn warning_of(members: &[&SetRow]) -> Option<String> {
+    let warnings: Vec<&String> = members
+        .iter()
+        .filter_map(|set| set.warning.as_ref())
+        .collect();
+    let first = warnings.first()?;
+    Some(format!(
+        "{} of {} members: {first}",
+        warnings.len(),
+        members.len()
+    ))
 }
 
 /// What the results of a mean lack.

@@ -94,7 +94,7 @@ pub(super) fn fits(data: &Data) -> Table {
         }
         cells.push(row.shape().replace('_', " "));
         cells.push(format!("{} of {}", row.set.n, row.set.of));
-        cells.push(row.set.missing_reason.clone().unwrap_or_default());
+        cells.push(row.set.remark());
         table.push(cells);
     }
     table

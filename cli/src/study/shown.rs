@@ -58,7 +58,7 @@ fn line(row: &SetRow, scene: &[String], model: Model) -> Vec<String> {
     } else {
         format!("{} of {}", row.n, row.of)
     });
-    cells.push(row.missing_reason.clone().unwrap_or_default());
+    cells.push(row.remark());
     cells
 }
 
@@ -110,6 +110,7 @@ mod tests {
             of: 2,
             provisional: false,
             missing_reason: None,
+            warning: None,
         }
     }
 

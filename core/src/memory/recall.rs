@@ -266,7 +266,9 @@ fn outcome<R: Replicas, P: Physics>(
         encode: in_pascal(p_xy(ENCODE)),
         decode: in_pascal(p_xy(DECODE)),
         second_decode: in_pascal(p_xy(SECOND_DECODE)),
-        resolution: R::Scalar::EPSILON * mean_pressure(&series[DECODE]) * past.pack.youngs_modulus,
+        resolution: Some(
+            R::Scalar::EPSILON * mean_pressure(&series[DECODE]) * past.pack.youngs_modulus,
+        ),
     };
     let mut results = BTreeMap::new();
     results.insert(

@@ -43,6 +43,11 @@ pub const RESULTS: &[Quantity] = &[
         "What a last digit of a pressure is of the recalled signals: rounding may move 𝒢 by ρ/|C| of itself, and 𝓕 by ρ; from 0.1 on there is no score.",
     ),
     Quantity::new(
+        "noise_to_signal",
+        ("σ/p", ""),
+        "How much of the recalled signals scatters from sample to sample, as nothing stored does; in a pack at rest 0.02 and less, from 0.1 on the score is noise.",
+    ),
+    Quantity::new(
         "encode_correlation",
         ("C_enc", ""),
         "Correlation of the shear stress with the waveform while it is stored.",

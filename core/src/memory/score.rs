@@ -17,10 +17,10 @@ pub struct Signal {
     pub decode: Vec<f64>,
     /// During the decompression of the second cycle, which carries no waveform; empty if there was none.
     pub second_decode: Vec<f64>,
-    /// What a last digit is worth \[Pa\]: the mean of p_x and p_y while the pack is decompressed, times ε of the number type; 0 where
-    /// an engine before physics version 9 has not told it.
+    /// What a last digit is worth \[Pa\]: the mean of p_x and p_y while the pack is decompressed, times ε of the number type; not
+    /// told by engines before physics version 9.
     #[serde(default)]
-    pub resolution: f64,
+    pub resolution: Option<f64>,
 }
 
 /// How a recalled signal is freed from the pack's own asymmetry.
@@ -96,20 +96,23 @@ pub struct Dots {
     pub j_j: f64,
     /// p·p \[Pa²\].
     pub p_p: f64,
-    /// What p·p would be of a signal of one last digit \[Pa²\].
+    /// What p·p would be of a signal of one last digit \[Pa²\]; NaN if that is not known.
     pub lost: f64,
+    /// What p·p would be of what scatters from sample to sample \[Pa²\].
+    pub scatter: f64,
 }
 
 impl Dots {
     /// The dot products of a processed signal with the J of its waveform; `resolution` is that of [`Signal`].
     #[must_use]
-    pub fn of(p_sig: &[f64], bumps: &Bumps, resolution: f64) -> Self {
+    pub fn of(p_sig: &[f64], bumps: &Bumps, resolution: Option<f64>) -> Self {
         let j: Vec<f64> = (0..SAMPLES).map(|k| bumps.integral(sample_u(k))).collect();
         Self {
             j_p: trapezoid(&j, p_sig),
             j_j: trapezoid(&j, &j),
             p_p: trapezoid(p_sig, p_sig),
-            lost: resolution * resolution,
+            lost: resolution.map_or(f64::NAN, |digit| digit * digit),
+            scatter: scatter(p_sig),
         }
     }
 }
@@ -120,6 +123,7 @@ impl std::ops::AddAssign for Dots {
         self.j_j += other.j_j;
         self.p_p += other.p_p;
         self.lost += other.lost;
+        self.scatter += other.scatter;
     }
 }
 
@@ -131,6 +135,16 @@ fn trapezoid(a: &[f64], b: &[f64]) -> f64 {
         sum += a[k] * b[k];
     }
     sum / last as f64
+}
+
+/// The variance of what differs from sample to sample without memory, by fourth differences.
+///
+/// Independent samples of variance σ² have fourth differences of variance σ² (1 + 16 + 36 + 16 + 1) = 70 σ².
+/// A sine that fits L times into 0 … 1 has (2π L/255)⁴/√70 of its size left, 0.003 for L = 16; one jump of its size √(20/70/252) = 0.034.
+fn scatter(a: &[f64]) -> f64 {
+    let fourth = |w: &[f64]| (w[0] + w[4]) - 4.0 * (w[1] + w[3]) + 6.0 * w[2];
+    let squares: f64 = a.windows(5).map(|w| fourth(w) * fourth(w)).sum();
+    squares / (70 * (a.len() - 4)) as f64
 }
 
 /// What a set of recalled signals says about the memory.
@@ -148,16 +162,24 @@ pub struct Score {
     ///
     /// Single precision moved 𝒢 by no more in packs of 64 and 1,024 at γ0 = 10⁻³ … 10⁻⁵ (docs/accuracy.md).
     pub rounding_error: Option<f64>,
+    /// How much recalled signals scatter from sample to sample, as a share of their size: what moves the walls that is no memory.
+    ///
+    /// 0.002 to 0.02 in packs at rest, 0.05 where a ramp is so fast that 𝓕 suffers (docs/accuracy.md).
+    pub noise_to_signal: Option<f64>,
 }
 
 /// Signals that rounding may move by more than this share of themselves have no score.
 const MOST_ROUNDING: f64 = 0.1;
 
+/// Signals that scatter by more than this share of themselves are noise.
+const MOST_NOISE: f64 = 0.1;
+
 impl Score {
     /// Scores the summed dot products of a set; `youngs_modulus` in Pa.
     #[must_use]
     pub fn of(dots: &Dots, youngs_modulus: f64, delta0: f64, gamma0: f64) -> Self {
-        let rounding_error = (dots.p_p > 0.0).then(|| (dots.lost / dots.p_p).sqrt());
+        let share = |of: f64| (dots.p_p > 0.0 && of >= 0.0).then(|| (of / dots.p_p).sqrt());
+        let (rounding_error, noise_to_signal) = (share(dots.lost), share(dots.scatter));
         if rounding_error > Some(MOST_ROUNDING) {
             return Self {
                 gain: None,
@@ -165,6 +187,7 @@ impl Score {
                 fidelity: None,
                 correlation: None,
                 rounding_error,
+                noise_to_signal,
             };
         }
         let has_waveform = dots.j_j > 0.0;
@@ -177,6 +200,7 @@ impl Score {
             fidelity: correlation.map(|c| 1.0 - (1.0 - c * c).max(0.0).sqrt()),
             correlation,
             rounding_error,
+            noise_to_signal,
         }
     }
 
@@ -194,6 +218,18 @@ impl Score {
         } else {
             None
         }
+    }
+
+    /// What a reader of the numbers should know: that the signals are noise.
+    #[must_use]
+    pub fn warning(&self) -> Option<String> {
+        let noise = self.noise_to_signal.filter(|&noise| noise > MOST_NOISE)?;
+        self.gain.map(|_| {
+            format!(
+                "noisy: what was recalled scatters from sample to sample by {noise:.2} of its size, as in a pack that rearranges \
+                 or does not rest: neither gain nor fidelity tells of a memory"
+            )
+        })
     }
 }
 
@@ -217,7 +253,7 @@ mod tests {
             encode: vec![],
             decode,
             second_decode: background,
-            resolution: 0.0,
+            resolution: Some(0.0),
         }
     }
 
@@ -235,7 +271,7 @@ mod tests {
                 .map(|(k, j)| 2.0 * j + 0.02 * (k as f64 * 0.1).sin())
                 .collect();
             let p_sig = Processing::Sub2.apply(&recall(&p), None).expect("complete");
-            dots += Dots::of(&p_sig, &Waveform::Six(s).bumps(), 0.0);
+            dots += Dots::of(&p_sig, &Waveform::Six(s).bumps(), Some(0.0));
             sets.push((j, p));
         }
         let score = Score::of(&dots, e, delta0, gamma0);
@@ -254,10 +290,10 @@ mod tests {
 
     #[test]
     fn zero_recall_and_zero_waveform_give_no_fidelity() {
-        let silent = Dots::of(&[0.0; SAMPLES], &Waveform::Six(1).bumps(), 0.0);
+        let silent = Dots::of(&[0.0; SAMPLES], &Waveform::Six(1).bumps(), Some(0.0));
         assert_eq!(Score::of(&silent, 1.0, 0.05, 1e-3).fidelity, None);
         assert!(Score::missing_reason(&silent).is_some());
-        let zero = Dots::of(&[1.0; SAMPLES], &Waveform::Zero.bumps(), 0.0);
+        let zero = Dots::of(&[1.0; SAMPLES], &Waveform::Zero.bumps(), Some(0.0));
         assert_eq!(Score::of(&zero, 1.0, 0.05, 1e-3).gain, None);
     }
 
@@ -265,14 +301,14 @@ mod tests {
     fn signal_of_an_older_engine_can_still_be_read() {
         let old = r#"{"encode":[],"decode":[1.0],"second_decode":[]}"#;
         let signal: Signal = serde_json::from_str(old).expect("a signal of physics version 8");
-        assert_eq!((signal.decode, signal.resolution), (vec![1.0], 0.0));
+        assert_eq!((signal.decode, signal.resolution), (vec![1.0], None));
     }
 
     #[test]
     fn signals_of_a_few_last_digits_have_no_score_but_a_reason() {
         let p = j_of(1);
         let size = trapezoid(&p, &p).sqrt();
-        let of = |resolution: f64| Dots::of(&p, &Waveform::Six(1).bumps(), resolution * size);
+        let of = |resolution: f64| Dots::of(&p, &Waveform::Six(1).bumps(), Some(resolution * size));
         let fine = Score::of(&of(0.02), 1.0, 0.05, 1e-3);
         assert!((fine.rounding_error.expect("recalled") - 0.02).abs() < 1e-12);
         assert!(fine.gain.is_some() && Score::missing_reason(&of(0.02)).is_none());
@@ -283,10 +319,73 @@ mod tests {
     }
 
     #[test]
+    fn signals_of_an_engine_that_told_no_resolution_have_no_rounding_error_but_a_score() {
+        let dots = Dots::of(&j_of(1), &Waveform::Six(1).bumps(), None);
+        let score = Score::of(&dots, 1.0, 0.05, 1e-3);
+        assert_eq!(score.rounding_error, None);
+        assert!(score.gain.is_some() && Score::missing_reason(&dots).is_none());
+    }
+
+    /// Independent numbers of mean 0 and variance 1/12.
+    fn scattered() -> Vec<f64> {
+        let mut state = 1_u32;
+        let mut next = || {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            f64::from(state) / f64::from(u32::MAX) - 0.5
+        };
+        (0..SAMPLES).map(|_| next()).collect()
+    }
+
+    #[test]
+    fn signals_that_scatter_are_told_to_be_noise() {
+        let j = j_of(1);
+        let size = trapezoid(&j, &j).sqrt();
+        let of = |noise: f64| {
+            let scatter = scattered()
+                .into_iter()
+                .map(|x| noise * size * 12_f64.sqrt() * x);
+            let p: Vec<f64> = j.iter().zip(scatter).map(|(j, noise)| j + noise).collect();
+            Dots::of(&p, &Waveform::Six(1).bumps(), Some(0.0))
+        };
+        for (noise, told) in [(0.05, false), (0.2, true)] {
+            let score = Score::of(&of(noise), 1.0, 0.05, 1e-3);
+            let found = score.noise_to_signal.expect("recalled");
+            // The noise is part of what its share is taken of. The mean of 252 squares of fourth differences, whose squares
+            // are correlated over Σ_k (ρ_k)² = 1 + 2 (56² + 28² + 8² + 1)/70² = 2.6, has a standard error of √(2·2.6/252) = 0.14,
+            // its root half of that: three of them.
+            let expected = noise / (1.0 + noise * noise).sqrt();
+            assert!(
+                (found / expected - 1.0).abs() < 3.0 * 0.07,
+                "{found} {expected}"
+            );
+            assert!(score.gain.is_some());
+            assert_eq!(score.warning().is_some(), told);
+        }
+    }
+
+    #[test]
+    fn the_finest_waveforms_do_not_scatter() {
+        // Sixteen bits of alternating sign are the finest word that is on offer.
+        for word in ["six/6", "binary_words/10/682", "binary_words/16/43690"] {
+            let waveform: Waveform = serde_json::from_value(word.into()).expect("a waveform");
+            let bumps = waveform.bumps();
+            let p: Vec<f64> = (0..SAMPLES).map(|k| bumps.integral(sample_u(k))).collect();
+            let score = Score::of(&Dots::of(&p, &bumps, Some(0.0)), 1.0, 0.05, 1e-3);
+            let noise = score.noise_to_signal.expect("recalled");
+            assert!(noise < 0.005, "{word}: {noise}");
+        }
+    }
+
+    #[test]
     fn perfect_recall_of_either_sign_has_fidelity_one() {
         for sign in [1.0, -1.0] {
             let p: Vec<f64> = j_of(5).iter().map(|j| sign * 3.0 * j).collect();
-            let score = Score::of(&Dots::of(&p, &Waveform::Six(5).bumps(), 0.0), 1.0, 1.0, 1.0);
+            let score = Score::of(
+                &Dots::of(&p, &Waveform::Six(5).bumps(), Some(0.0)),
+                1.0,
+                1.0,
+                1.0,
+            );
             // 𝓕 = 1 − √(1 − C²) turns a rounding error of 1e-16 in C² into 1e-8.
             assert!((score.fidelity.expect("recalled") - 1.0).abs() < 1e-7);
             assert!((score.correlation.expect("recalled") - sign).abs() < 1e-15);

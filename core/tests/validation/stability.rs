@@ -74,6 +74,12 @@ struct Measured {
     single: Option<Vec<f64>>,
     /// What single precision itself says that rounding may move recalled signals by.
     rounding: f64,
+    /// How much of the reference's signals scatters; not told of beams, nor by cells of before it was looked at.
+    #[serde(default)]
+    noise: f64,
+    /// Whether the reference's score says that it is noise.
+    #[serde(default)]
+    noisy: bool,
     /// What happens beyond the critical time step.
     beyond: String,
     /// 𝓕 of the reference; none of beams.
@@ -89,6 +95,8 @@ enum Verdict {
     Right,
     /// Off by less than packings differ: what is told of several packings has that as its error.
     Scattered,
+    /// Its score says that it is noise.
+    Noise,
     Off,
 }
 
@@ -97,19 +105,20 @@ impl Verdict {
         match self {
             Self::Right => "right",
             Self::Scattered => "less than packings differ",
+            Self::Noise => "said to be noise",
             Self::Off => "**off**",
         }
     }
 }
 
 impl Measured {
-    /// What deviations may be, with another `rounding`.
-    fn allowed(&self, rounding: f64) -> Vec<f64> {
+    /// What deviations may be, where recalled signals are uncertain by this share of themselves.
+    fn allowed(&self, uncertain: f64) -> Vec<f64> {
         let (base, times) = match self.fidelity {
             Some(fidelity) => {
                 let c = (fidelity * (2.0 - fidelity)).sqrt();
-                let signal = ALLOWED[0] + rounding;
-                (vec![signal / c, ALLOWED[1] + rounding], SCATTERS)
+                let signal = ALLOWED[0] + uncertain;
+                (vec![signal / c, ALLOWED[1] + uncertain], SCATTERS)
             }
             None => (vec![ALLOWED_OF_BEAMS], CHANGES_OF_BEAMS),
         };
@@ -128,7 +137,12 @@ impl Measured {
         };
         if self.beyond == "runs" {
             Verdict::Off
-        } else if within([&self.allowed(0.0), &self.allowed(self.rounding)]) {
+        } else if self.noisy {
+            Verdict::Noise
+        } else if within([
+            &self.allowed(self.noise),
+            &self.allowed(self.noise + self.rounding),
+        ]) {
             Verdict::Right
         } else if within([&self.packings, &self.packings]) {
             Verdict::Scattered
@@ -144,7 +158,7 @@ impl Measured {
         first: &[f64],
         of: impl Fn(u32) -> Result<Vec<f64>, String>,
     ) -> Self {
-        if self.verdict() == Verdict::Right {
+        if matches!(self.verdict(), Verdict::Right | Verdict::Noise) {
             return self;
         }
         let others = (2..=4).filter_map(|seed| of(seed).ok());
@@ -192,6 +206,9 @@ struct Recalled {
     scores: [f64; 2],
     /// How far rounding may move what is recalled, relative to its size.
     rounding: f64,
+    /// How much of it scatters from sample to sample, and whether the score says that this is too much.
+    noise: f64,
+    noisy: bool,
     critical: f64,
     time_step: f64,
 }
@@ -238,10 +255,15 @@ fn recalled(point: &MemoryPoint, packed: &Outcome) -> Result<Recalled, String> {
         (Some(gain), Some(fidelity)) => Ok(Recalled {
             scores: [gain / point.youngs_modulus, fidelity],
             rounding: score.rounding_error.unwrap_or_default(),
+            noise: score.noise_to_signal.unwrap_or_default(),
+            noisy: score.warning().is_some(),
             critical: number("critical_time_step"),
             time_step: number("time_step"),
         }),
-        _ => Err("no score".to_owned()),
+        _ => Err(format!(
+            "no score: {}",
+            Score::missing_reason(&dots).unwrap_or_default()
+        )),
     }
 }
 
@@ -357,6 +379,8 @@ fn measured_pack(point: &MemoryPoint) -> Result<Measured, String> {
         deviation: deviation(&reference, &reference, &near),
         own: squares.into_iter().map(f64::sqrt).collect(),
         rounding: single.as_ref().map_or(0.0, |single| single.rounding),
+        noise: reference.noise,
+        noisy: reference.noisy || near.noisy,
         single: single.map(|single| deviation(&reference, &near, &single)),
         beyond,
         fidelity: Some(reference.scores[1]),
@@ -439,6 +463,8 @@ fn measured_beam(
         own: vec![own],
         single: None,
         rounding: 0.0,
+        noise: 0.0,
+        noisy: false,
         beyond,
         fidelity: None,
         packings: vec![],

@@ -49,6 +49,7 @@ fn fitted(parameters: Map<String, Value>, members: &[&SetRow]) -> SetRow {
         of: members.len() as u64,
         provisional,
         missing_reason: reason(&fit, &dropped, members.len(), provisional),
+        warning: None,
     }
 }
 
@@ -196,6 +197,7 @@ mod tests {
             missing_reason: strength
                 .is_none()
                 .then(|| "ultimate_strength: not_prominent".to_owned()),
+            warning: None,
         }
     }
 

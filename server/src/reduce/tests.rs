@@ -23,6 +23,7 @@ fn recalled(gain_e_delta0: f64) -> Dots {
         j_j: 1.0,
         p_p: p * p,
         lost: 0.0,
+        scatter: 0.0,
     }
 }
 
@@ -136,4 +137,28 @@ fn set_that_waits_for_its_zero_waveform_says_so() {
     let reason = sets[0].missing_reason.as_deref().expect("a reason");
     assert!(reason.contains("not done yet"), "{reason}");
     assert!(reason.contains("zero waveform"), "{reason}");
+}
+
+#[test]
+fn noise_is_told_of_a_set_and_of_the_means_over_it() {
+    let quiet = recalled(1e5);
+    // What scatters is two tenths of the signal.
+    let noisy = Dots {
+        scatter: 0.04 * quiet.p_p,
+        ..quiet
+    };
+    let sets = scores(&[
+        member(1, "six/1", Some(quiet)),
+        member(2, "six/1", Some(noisy)),
+    ]);
+    assert_eq!(sets[0].warning, None);
+    let told = sets[1].warning.as_deref().expect("a warning");
+    assert!(
+        told.starts_with("noisy: ") && told.contains("0.20"),
+        "{told}"
+    );
+    assert!(sets[1].results["gain"].is_some());
+    let mean = &mean_sem(&sets, &["packing_seed".to_owned()])[0];
+    let told = mean.warning.as_deref().expect("a warning");
+    assert!(told.starts_with("1 of 2 members: noisy"), "{told}");
 }

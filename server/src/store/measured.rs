@@ -51,6 +51,7 @@ fn measured((parameters, state, results): Row) -> Result<SetRow, StoreError> {
             (false, true) => Some("not done yet".to_owned()),
             (false, false) => Some(format!("the point is {state}")),
         },
+        warning: None,
     })
 }
 

@@ -40,7 +40,7 @@ fn hasty(spec: &StageSpec) -> Outcome {
         encode: decode.clone(),
         second_decode: vec![0.0; decode.len()],
         decode,
-        resolution: 0.0,
+        resolution: Some(0.0),
     };
     let bytes = serde_json::to_vec(&signal).expect("plain data");
     Outcome {

@@ -225,7 +225,7 @@ pub(crate) fn outcome(spec: &StageSpec) -> Outcome {
                 encode: us().map(p).collect(),
                 decode: us().map(p).collect(),
                 second_decode: second,
-                resolution: 0.0,
+                resolution: Some(0.0),
             };
             (SIGNAL, serde_json::to_vec(&signal).expect("plain data"))
         }

@@ -819,6 +819,8 @@ export interface components {
                  *     `incomplete` (a packing without a result).
                  */
                 verdict?: string | null;
+                /** @description What a reader of the numbers should know: that they are noise. */
+                warning?: string | null;
             }[];
             /** @description What `cursor` asks for the rows after these; none at the end. */
             next?: string | null;
@@ -1126,6 +1128,8 @@ export interface components {
              *     `incomplete` (a packing without a result).
              */
             verdict?: string | null;
+            /** @description What a reader of the numbers should know: that they are noise. */
+            warning?: string | null;
         };
         /** @description The answer to `POST …/cancel`, `/pause`, `/resume` and `/retry`. */
         Steered: {

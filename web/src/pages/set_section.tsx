@@ -85,7 +85,7 @@ function Table({ rows, model }: { rows: SetRow[]; model: Model | undefined }) {
               <td class="number">{count(row.n)} of {count(row.of)}</td>
               <td class="remark">
                 {row.provisional && <span class="state running">provisional</span>}
-                {` ${row.missing_reason ?? ""}`}
+                {` ${[row.missing_reason, row.warning].filter(Boolean).join("; ")}`}
               </td>
             </tr>
           ))}

@@ -12,7 +12,7 @@ const WIDTH: f64 = 420.0;
 const DECADES: [f64; 2] = [-2.0, 2.0];
 
 /// One row for each cell that departs in one factor, one dot for each corner; green is right, yellow off by less than packings
-/// differ, gray stopped, red none of these.
+/// differ, violet said to be noise, gray stopped, red none of these.
 pub(super) fn map(cells: &[Cell], found: &[Found]) -> String {
     let x = |critical: f64| {
         let share = (critical.log10() - DECADES[0]) / (DECADES[1] - DECADES[0]);
@@ -53,6 +53,7 @@ pub(super) fn map(cells: &[Cell], found: &[Found]) -> String {
                 let color = match m.verdict() {
                     Verdict::Right => "#2a7f3f",
                     Verdict::Scattered => "#c79a1e",
+                    Verdict::Noise => "#7a6fae",
                     Verdict::Off => "#c0281c",
                 };
                 format!(
@@ -112,8 +113,8 @@ pub(super) fn map(cells: &[Cell], found: &[Found]) -> String {
 /// The table of what was found.
 pub(super) fn table(cells: &[Cell], found: &[Found]) -> String {
     let mut text = String::from(
-        "| factor | value | Δt_crit | at 0.9: 𝒢 or E_b | 𝓕 | reference's own 𝒢 or E_b | 𝓕 | f32 𝒢 | 𝓕 | beyond | verdict |\n\
-         |---|---|---|---|---|---|---|---|---|---|---|\n",
+        "| factor | value | Δt_crit | at 0.9: 𝒢 or E_b | 𝓕 | reference's own 𝒢 or E_b | 𝓕 | noise | f32 𝒢 | 𝓕 | beyond | verdict |\n\
+         |---|---|---|---|---|---|---|---|---|---|---|---|\n",
     );
     let percent = |x: Option<&f64>| x.map_or("–".to_owned(), |x| format!("{:+.2} %", 100.0 * x));
     let plain = |x: Option<&f64>| x.map_or("–".to_owned(), |x| format!("{x:+.4}"));
@@ -121,20 +122,25 @@ pub(super) fn table(cells: &[Cell], found: &[Found]) -> String {
         let row = match found {
             Found::Measured(m) => {
                 let single = m.single.as_deref().unwrap_or_default();
+                let noise = match m.fidelity {
+                    Some(_) => format!("{:.4}", m.noise),
+                    None => "–".to_owned(),
+                };
                 format!(
-                    "{:.3} | {} | {} | {} | {} | {} | {} | {} | {}",
+                    "{:.3} | {} | {} | {} | {} | {} | {} | {} | {} | {}",
                     m.critical,
                     percent(m.deviation.first()),
                     plain(m.deviation.get(1)),
                     percent(m.own.first()),
                     plain(m.own.get(1)),
+                    noise,
                     percent(single.first()),
                     plain(single.get(1)),
                     m.beyond,
                     m.verdict().name()
                 )
             }
-            Found::Stopped(reason) => format!("– | – | – | – | – | – | – | – | {reason}"),
+            Found::Stopped(reason) => format!("– | – | – | – | – | – | – | – | – | {reason}"),
         };
         let _ = writeln!(text, "| {} | {} | {row} |", cell.factor, cell.value);
     }

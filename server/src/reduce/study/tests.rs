@@ -25,6 +25,7 @@ fn score(time_step: f64, seed: u64, gain: f64, fidelity: f64, n: u64) -> SetRow 
         of: 6,
         provisional: false,
         missing_reason: (n < 6).then(|| "1 of 6 members are missing: unstable".to_owned()),
+        warning: None,
     }
 }
 
