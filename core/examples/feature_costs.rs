@@ -15,7 +15,7 @@ use granary_core::contact::frictionless::Frictionless;
 use granary_core::contact::hooke::Hooke;
 use granary_core::contact::mindlin::{Mindlin, TangentialStiffness};
 use granary_core::force::{AffineDrag, BodyForce};
-use granary_core::grains::{Grains, Pose, Size, UPRIGHT};
+use granary_core::grains::{Grains, Motion, Pose, Size, UPRIGHT};
 use granary_core::lanes::{F32x16, F64x1, F64x8, VectorWidth};
 use granary_core::material::{Elastic, Material};
 use granary_core::membrane::{Cuboid, Membrane, Sheet};
@@ -78,6 +78,14 @@ fn within<R: Replicas, P: Physics>(
         (-1e3, 1e3)
     };
     let mut grains = Grains::at_rest(poses, &laws.body, P::SPINS);
+    // They move a little, so that springs are not next to zero, where numbers are slow.
+    for i in 0..grains.len() {
+        let velocity = [37, 53, 71].map(|stride| ((i * stride % 101) as f64 / 50.0 - 1.0) * 1e-4);
+        for k in 0..R::K {
+            let spin = [0.0; 3];
+            grains.set_motion(i, k, Motion { velocity, spin });
+        }
+    }
     if P::GRADED {
         let sizes = vec![Size::sphere(1.0, 1.0); grains.len()];
         grains = grains.graded(sizes);

@@ -226,8 +226,7 @@ impl Score {
         let noise = self.noise_to_signal.filter(|&noise| noise > MOST_NOISE)?;
         self.gain.map(|_| {
             format!(
-                "noisy: what was recalled scatters from sample to sample by {noise:.2} of its size, as in a pack that rearranges \
-                 or does not rest: neither gain nor fidelity tells of a memory"
+                "noisy: {noise:.2} of the signals scatters from sample to sample, as in a pack that does not rest; no memory shows"
             )
         })
     }

@@ -481,9 +481,9 @@ fn measured_beam(
 
 /// Looks at all cells, on all cores; tells how far it is.
 #[expect(clippy::disallowed_methods, reason = "no result depends on it")]
-fn all(cells: &[Cell]) -> Vec<Found> {
+fn all(cells: &[Cell], kept: &Kept) -> Vec<Found> {
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
-    let (next, start, kept) = (AtomicUsize::new(0), Instant::now(), Kept::open());
+    let (next, start) = (AtomicUsize::new(0), Instant::now());
     let work = || {
         let mut found = BTreeMap::new();
         loop {
@@ -521,10 +521,14 @@ fn all(cells: &[Cell]) -> Vec<Found> {
 fn every_cell_is_right_or_stopped_with_a_reason() {
     let mut cells = one_at_a_time();
     cells.extend(corners());
-    if let Ok(only) = std::env::var("ONLY") {
-        cells.retain(|cell| cell.factor == only);
+    let (kept, only) = (Kept::open(), std::env::var("ONLY").ok());
+    match only.as_deref() {
+        None => {}
+        // Draws the map of what has been found.
+        Some("kept") => cells.retain(|cell| kept.knows(cell)),
+        Some(factor) => cells.retain(|cell| cell.factor == factor),
     }
-    let found = all(&cells);
+    let found = all(&cells, &kept);
     let mut text = drawn::table(&cells, &found);
     text.push_str("\nThe corners:\n\n");
     for cell in cells.iter().filter(|cell| cell.factor == "corner") {
@@ -536,7 +540,7 @@ fn every_cell_is_right_or_stopped_with_a_reason() {
         );
     }
     println!("{text}");
-    if std::env::var("ONLY").is_err() {
+    if only.is_none_or(|only| only == "kept") {
         kept::rewrite(&cells, &found);
         let folder = kept::folder();
         std::fs::write(folder.join("cells.md"), &text).expect("a folder to write to");

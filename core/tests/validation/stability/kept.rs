@@ -79,6 +79,11 @@ impl Kept {
         }
     }
 
+    /// Whether a cell has been looked at.
+    pub(super) fn knows(&self, cell: &Cell) -> bool {
+        self.found.contains_key(&name(cell.beam, &cell.changes))
+    }
+
     /// What was found, or `look`.
     pub(super) fn or(&self, cell: &Cell, look: fn(&Map<String, Value>) -> Found) -> Found {
         let name = name(cell.beam, &cell.changes);
