@@ -347,8 +347,7 @@ fn measured_pack(point: &MemoryPoint) -> Result<Measured, String> {
     let double = |time_step: f64| at(time_step, Precision::F64);
     let of_pack = pack.results["critical_time_step"].filter(|&c| c < 1e3);
     let large = u64::from(point.grains) > LARGE;
-    let share = if large { 0.5 } else { 0.25 };
-    let (time_step, reference) = with_smaller_steps(share * of_pack.unwrap_or(4.0), double)?;
+    let (time_step, reference) = with_smaller_steps(0.25 * of_pack.unwrap_or(4.0), double)?;
     let mut squares = vec![0.0; ALLOWED.len()];
     let others: &[f64] = if large { &[] } else { &OTHER_STEPS };
     for share in others {

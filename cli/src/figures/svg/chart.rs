@@ -11,6 +11,20 @@ const ROOM: [f64; 4] = [66.0, 34.0, 14.0, 104.0];
 const LEGEND: [f64; 2] = [16.0, 22.0];
 /// Mean width of a letter \[px\].
 const LETTER: f64 = 6.6;
+/// Height of a note, and mean width of its letters \[px\].
+const NOTE: f64 = 9.5;
+const NOTE_LETTER: f64 = 5.4;
+/// Where the foot of a note may stand, right of its dot and down, or left of it \[px\].
+const BESIDE: [[f64; 2]; 8] = [
+    [6.0, -4.0],
+    [6.0, 12.0],
+    [-6.0, -4.0],
+    [-6.0, 12.0],
+    [6.0, -16.0],
+    [6.0, 24.0],
+    [-6.0, -16.0],
+    [-6.0, 24.0],
+];
 /// Share of the axes that an inset takes.
 const INSET: f64 = 0.46;
 
@@ -138,15 +152,41 @@ impl<'a> Plot<'a> {
         for curve in &self.chart.curves {
             self.curve(canvas, curve);
         }
-        let small = format!(" font-size=\"9.5\" fill=\"{QUIET}\"");
-        for (k, note) in self.chart.notes.iter().enumerate() {
-            let [x, y] = self.at(note.x, note.y);
-            // Above and below in turn, so that those of neighbors stay apart.
-            let beside = [x + 6.0, if k % 2 == 0 { y - 4.0 } else { y + 10.0 }];
-            canvas.styled_text(beside, Anchor::Start, &small, &note.text);
-        }
+        self.notes(canvas);
         let frame = format!("fill=\"none\" stroke=\"{INK}\"");
         canvas.rect(self.area, &frame, "");
+    }
+
+    /// Each note beside its dot, in the first place where it covers no other note and no dot.
+    fn notes(&self, canvas: &mut Canvas) {
+        let small = format!(" font-size=\"{NOTE}\" fill=\"{QUIET}\"");
+        let dots = self.chart.notes.iter().map(|note| {
+            let [x, y] = self.at(note.x, note.y);
+            [x - 4.0, y - 4.0, x + 4.0, y + 4.0]
+        });
+        let mut taken: Vec<[f64; 4]> = dots.collect();
+        for note in &self.chart.notes {
+            let [x, y] = self.at(note.x, note.y);
+            let width = NOTE_LETTER * note.text.chars().count() as f64;
+            let spot = |[right, down]: [f64; 2]| {
+                let left = if right > 0.0 {
+                    x + right
+                } else {
+                    x + right - width
+                };
+                [left, y + down - NOTE, left + width, y + down]
+            };
+            let fits = |spot: &[f64; 4]| {
+                let [left, _, right, _] = *spot;
+                left >= self.area.x
+                    && right <= self.area.x + self.area.width
+                    && !taken.iter().any(|other| overlap(spot, other))
+            };
+            let spots = BESIDE.into_iter().map(spot);
+            let spot = spots.clone().find(fits).unwrap_or(spot(BESIDE[0]));
+            canvas.styled_text([spot[0], spot[3]], Anchor::Start, &small, &note.text);
+            taken.push(spot);
+        }
     }
 
     fn axes(&self, canvas: &mut Canvas, count: f64) {
@@ -234,4 +274,9 @@ fn legend(canvas: &mut Canvas, [left, top]: [f64; 2], width: f64, chart: &Chart)
         );
         x += wide;
     }
+}
+
+/// Whether two boxes (left, top, right, bottom) have a place in common.
+fn overlap(a: &[f64; 4], b: &[f64; 4]) -> bool {
+    a[0] < b[2] && b[0] < a[2] && a[1] < b[3] && b[1] < a[3]
 }

@@ -1,5 +1,5 @@
 use super::*;
-use crate::figures::drawing::{Axis, Chart, Curve, Dot, Heatmap, Style, Tile, Vertical};
+use crate::figures::drawing::{Axis, Chart, Curve, Dot, Heatmap, Note, Style, Tile, Vertical};
 
 const STRAIN: Axis = Axis {
     symbol: "ε",
@@ -73,6 +73,27 @@ fn marks_errors_and_verticals_are_drawn() {
     // Two of the curve and one of the legend.
     assert_eq!(text.matches("<circle").count(), 3);
     assert!(text.contains("stroke-dasharray=\"2 3\""));
+}
+
+#[test]
+fn notes_of_near_dots_stand_apart() {
+    let mut chart = chart();
+    let place = chart.curves[0].dots[0].clone();
+    for text in ["ramp 6000, drag 0.01", "preset draft", "as written"] {
+        chart.notes.push(Note {
+            x: place.x,
+            y: place.y,
+            text: text.to_owned(),
+        });
+    }
+    let text = drawn(Panel::Chart(chart));
+    let feet: Vec<&str> = text
+        .lines()
+        .filter(|line| line.contains("font-size=\"9.5\""))
+        .map(|line| line.split(" text-anchor").next().expect("a place"))
+        .collect();
+    let places: std::collections::BTreeSet<&str> = feet.iter().copied().collect();
+    assert_eq!((feet.len(), places.len()), (3, 3), "{feet:?}");
 }
 
 #[test]
