@@ -109,7 +109,7 @@ pub struct SetRow {
     /// While `provisional`, it speaks of the members that count so far, never of those to come.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub missing_reason: Option<String>,
-    /// What a reader of the numbers should know: that they are noise.
+    /// What a reader of the numbers should know: that signals are noisy.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub warning: Option<String>,
 }

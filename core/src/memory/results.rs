@@ -45,7 +45,7 @@ pub const RESULTS: &[Quantity] = &[
     Quantity::new(
         "noise_to_signal",
         ("σ/p", ""),
-        "How much of the recalled signals scatters from sample to sample, as nothing stored does; in a pack at rest 0.02 and less, from 0.1 on the score is noise.",
+        "How much of the recalled signals scatters from sample to sample, as nothing stored does; in a pack at rest 0.02 and less, from 0.1 on a set is warned.",
     ),
     Quantity::new(
         "encode_correlation",

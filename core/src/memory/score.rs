@@ -171,7 +171,7 @@ pub struct Score {
 /// Signals that rounding may move by more than this share of themselves have no score.
 const MOST_ROUNDING: f64 = 0.1;
 
-/// Signals that scatter by more than this share of themselves are noise.
+/// Signals that scatter by more than this share of themselves are called noisy.
 const MOST_NOISE: f64 = 0.1;
 
 impl Score {
@@ -220,13 +220,14 @@ impl Score {
         }
     }
 
-    /// What a reader of the numbers should know: that the signals are noise.
+    /// What a reader of the numbers should know: that the signals are noisy.
     #[must_use]
     pub fn warning(&self) -> Option<String> {
         let noise = self.noise_to_signal.filter(|&noise| noise > MOST_NOISE)?;
         self.gain.map(|_| {
             format!(
-                "noisy: {noise:.2} of the signals scatters from sample to sample, as in a pack that does not rest; no memory shows"
+                "noisy: the signals scatter from sample to sample by {noise:.2} of their size, as where sound stays in a pack, or \
+                 where it rearranges or does not rest"
             )
         })
     }

@@ -77,7 +77,7 @@ struct Measured {
     /// How much of the reference's signals scatters; not told of beams, nor by cells of before it was looked at.
     #[serde(default)]
     noise: f64,
-    /// Whether the reference's score says that it is noise.
+    /// Whether a score is told to be noisy.
     #[serde(default)]
     noisy: bool,
     /// What happens beyond the critical time step.
@@ -95,7 +95,7 @@ enum Verdict {
     Right,
     /// Off by less than packings differ: what is told of several packings has that as its error.
     Scattered,
-    /// Its score says that it is noise.
+    /// Off, but not by more than its score says that noise may move it, or told to be noisy.
     Noise,
     Off,
 }
@@ -105,7 +105,7 @@ impl Verdict {
         match self {
             Self::Right => "right",
             Self::Scattered => "less than packings differ",
-            Self::Noise => "said to be noise",
+            Self::Noise => "noise, as it says",
             Self::Off => "**off**",
         }
     }
@@ -131,20 +131,18 @@ impl Measured {
             let mut pairs = deviation.iter().zip(most);
             deviation.len() <= most.len() && pairs.all(|(d, most)| d.abs() <= *most)
         };
-        let within = |most: [&[f64]; 2]| {
-            let single = |single| below(single, most[1]);
-            below(&self.deviation, most[0]) && self.single.as_deref().is_none_or(single)
+        let within = |most: &[f64], single_most: &[f64]| {
+            let single = |single| below(single, single_most);
+            below(&self.deviation, most) && self.single.as_deref().is_none_or(single)
         };
+        let uncertain = |by: f64| within(&self.allowed(by), &self.allowed(by + self.rounding));
         if self.beyond == "runs" {
             Verdict::Off
-        } else if self.noisy {
-            Verdict::Noise
-        } else if within([
-            &self.allowed(self.noise),
-            &self.allowed(self.noise + self.rounding),
-        ]) {
+        } else if uncertain(0.0) {
             Verdict::Right
-        } else if within([&self.packings, &self.packings]) {
+        } else if self.noisy || uncertain(self.noise) {
+            Verdict::Noise
+        } else if within(&self.packings, &self.packings) {
             Verdict::Scattered
         } else {
             Verdict::Off

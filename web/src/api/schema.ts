@@ -819,7 +819,7 @@ export interface components {
                  *     `incomplete` (a packing without a result).
                  */
                 verdict?: string | null;
-                /** @description What a reader of the numbers should know: that they are noise. */
+                /** @description What a reader of the numbers should know: that signals are noisy. */
                 warning?: string | null;
             }[];
             /** @description What `cursor` asks for the rows after these; none at the end. */
@@ -1128,7 +1128,7 @@ export interface components {
              *     `incomplete` (a packing without a result).
              */
             verdict?: string | null;
-            /** @description What a reader of the numbers should know: that they are noise. */
+            /** @description What a reader of the numbers should know: that signals are noisy. */
             warning?: string | null;
         };
         /** @description The answer to `POST …/cancel`, `/pause`, `/resume` and `/retry`. */

@@ -12,16 +12,17 @@ const WIDTH: f64 = 420.0;
 const DECADES: [f64; 2] = [-2.0, 2.0];
 
 /// One row for each cell that departs in one factor, one dot for each corner; green is right, yellow off by less than packings
-/// differ, violet said to be noise, gray stopped, red none of these.
+/// differ, violet noise as its score says, gray stopped, red none of these.
 pub(super) fn map(cells: &[Cell], found: &[Found]) -> String {
     let x = |critical: f64| {
         let share = (critical.log10() - DECADES[0]) / (DECADES[1] - DECADES[0]);
         LEFT + WIDTH * share.clamp(0.0, 1.0)
     };
     let (mut body, mut y) = (String::new(), 50.0);
-    let mut corners_at = None;
+    let (mut corners_at, mut corners, mut stopped) = (None, 0, 0);
     for (cell, found) in cells.iter().zip(found) {
         let corner = cell.factor == "corner";
+        corners += u32::from(corner);
         let row = if corner {
             *corners_at.get_or_insert(y + 40.0)
         } else {
@@ -62,13 +63,9 @@ pub(super) fn map(cells: &[Cell], found: &[Found]) -> String {
                     row + jitter
                 )
             }
-            Found::Stopped(reason) if corner => {
-                let _ = reason;
-                format!(
-                    "<path d=\"M{:.1} {:.1}l6 6m0-6l-6 6\" stroke=\"#888\" stroke-width=\"1.5\"/>",
-                    LEFT + WIDTH + 12.0 + (jitter + 30.0),
-                    row + jitter * 0.8 - 3.0
-                )
+            Found::Stopped(_) if corner => {
+                stopped += 1;
+                continue;
             }
             Found::Stopped(reason) => {
                 let short: String = reason.chars().take(48).collect();
@@ -86,7 +83,7 @@ pub(super) fn map(cells: &[Cell], found: &[Found]) -> String {
     if let Some(at) = corners_at {
         let _ = write!(
             body,
-            "<text x=\"{}\" y=\"{}\" text-anchor=\"end\">200 corners (× stopped)</text>",
+            "<text x=\"{}\" y=\"{}\" text-anchor=\"end\">{corners} corners, {stopped} of them stopped</text>",
             LEFT - 12.0,
             at + 4.0
         );
