@@ -11,7 +11,7 @@ use anyhow::{Context, bail};
 use granary_core::bench::{PackFile, Settings, Size, bench};
 use granary_core::crew::Crew;
 use granary_core::lanes::VectorWidth;
-use granary_core::memory::spec::{MemoryPoint, Precision, ShapeName};
+use granary_core::memory::spec::{ForceLaw, MemoryPoint, Precision, ShapeName};
 use granary_core::memory::state::PackState;
 use granary_core::stage::{Ensemble, Report, STATE, StageSpec, run as run_stage};
 use granary_worker::machine;
@@ -45,6 +45,9 @@ pub(crate) struct Args {
     /// Numbers.
     #[arg(long, value_enum, value_name = "P", default_value_t = Numbers::F32)]
     precision: Numbers,
+    /// The tangential law; M2 with 100 slices.
+    #[arg(long, value_enum, value_name = "LAW", default_value_t = Law::H, conflicts_with = "beside")]
+    law: Law,
     /// Scenes stepped at once, each on a thread of its own.
     #[arg(long, value_name = "T", default_value_t = 1)]
     threads: usize,
@@ -79,6 +82,16 @@ pub(crate) struct Args {
 enum Shape {
     Tetrahedron,
     Sphere,
+}
+
+#[derive(Clone, Copy, Debug, clap::ValueEnum)]
+enum Law {
+    #[value(name = "H")]
+    H,
+    #[value(name = "M1")]
+    M1,
+    #[value(name = "M2")]
+    M2,
 }
 
 #[derive(Clone, Copy, Debug, clap::ValueEnum)]
@@ -131,6 +144,11 @@ fn job(args: &Args) -> anyhow::Result<Job> {
         precision: match args.precision {
             Numbers::F32 => Precision::F32,
             Numbers::F64 => Precision::F64,
+        },
+        force_law: match args.law {
+            Law::H => ForceLaw::H,
+            Law::M1 => ForceLaw::M1,
+            Law::M2 => ForceLaw::M2,
         },
         time_step: args.time_step,
         skin: args.skin,
@@ -313,6 +331,7 @@ fn figures(timed: &[Timed], job: &Job) -> Value {
         "steps": timed.iter().map(|timed| timed.steps).sum::<u64>(),
         "list_renewals": size.renewals,
         "pack": job.pack.kind,
+        "force_law": settings.force_law,
         "precision": settings.precision,
         "vectors": settings.width.name(),
         "skin": settings.skin,

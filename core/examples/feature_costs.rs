@@ -287,6 +287,7 @@ fn guard<R: Replicas>(lanes: &str) {
         let across = Across {
             stiffness: HOOKE.stiffness,
             damping: HOOKE.damping,
+            ..Across::default()
         };
         let start = Instant::now();
         std::hint::black_box(critical_time_step(&scene, 0, across));

@@ -6,7 +6,7 @@
 
 use granary_core::bench::{PackFile, Settings, bench};
 use granary_core::lanes::VectorWidth;
-use granary_core::memory::spec::Precision;
+use granary_core::memory::spec::{ForceLaw, Precision};
 
 /// Time that this thread has spent on a processor.
 fn cpu_seconds() -> f64 {
@@ -40,6 +40,7 @@ fn main() {
             let settings = Settings {
                 lanes,
                 precision,
+                force_law: ForceLaw::H,
                 time_step: 0.1,
                 skin: 0.1,
                 width,

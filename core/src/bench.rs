@@ -1,15 +1,18 @@
-//! Scenes to time: a packing at rest, under law H, in as many lanes as asked for.
+//! Scenes to time: a packing at rest, under one of the tangential laws, in as many lanes as asked for.
 //!
 //! The engine reads no clock; who calls [`Bench::run`] does.
 
 use serde::Deserialize;
 
+use crate::contact::TangentialLaw;
 use crate::contact::hooke::Hooke;
+use crate::contact::mindlin_rescale::MindlinRescale;
+use crate::contact::mindlin_sliced::MindlinSliced;
 use crate::crew::helped;
 use crate::grains::{Grains, Pose, UPRIGHT};
 use crate::lanes::{F32x8, F32x16, F64x1, F64x8, VectorWidth};
 use crate::material::{Material, Units};
-use crate::memory::spec::{Precision, ShapeName};
+use crate::memory::spec::{ForceLaw, Precision, ShapeName};
 use crate::scene::{Laws, Physics, Replicas, Scene, With};
 use crate::shape::{Body, Shape, Sphere, Tetrahedron};
 use crate::wall::Walls;
@@ -105,7 +108,7 @@ pub fn material() -> Material {
     Material::new(POISSON_RATIO, NORMAL_DAMPING, std::f64::consts::SQRT_2)
 }
 
-/// The tangential law of every bench: law H with μ = 1.
+/// Law H with μ = 1.
 #[must_use]
 pub fn friction(units: &Units) -> Hooke {
     let stiffness = units.stiffness_from_si(STIFFNESS);
@@ -116,6 +119,33 @@ pub fn friction(units: &Units) -> Hooke {
     }
 }
 
+/// Law M1 with μ = 1.
+fn rescaled() -> MindlinRescale {
+    let stiffness =
+        3.0 * material().normal_stiffness * (1.0 - POISSON_RATIO) / (2.0 - POISSON_RATIO);
+    MindlinRescale {
+        stiffness,
+        damping: RELATIVE_DAMPING * NORMAL_DAMPING * stiffness,
+        friction_coefficient: 1.0,
+    }
+}
+
+/// Law M2 with μ = 1, Q = 100 and p_max = 0.25 R.
+fn sliced() -> MindlinSliced {
+    let MindlinRescale {
+        stiffness,
+        damping,
+        friction_coefficient,
+    } = rescaled();
+    MindlinSliced {
+        stiffness,
+        damping,
+        friction_coefficient,
+        slices: 100,
+        largest_overlap: 0.25,
+    }
+}
+
 /// How to time.
 #[derive(Clone, Copy, Debug)]
 pub struct Settings {
@@ -123,6 +153,8 @@ pub struct Settings {
     pub lanes: usize,
     /// Numbers.
     pub precision: Precision,
+    /// The tangential law.
+    pub force_law: ForceLaw,
     /// \[t_c\].
     pub time_step: f64,
     /// \[R\].
@@ -191,23 +223,39 @@ pub fn bench(pack: &PackFile, settings: &Settings) -> Option<Box<dyn Bench>> {
 }
 
 fn with_shape<S: Shape>(pack: &PackFile, settings: &Settings) -> Option<Box<dyn Bench>> {
+    match settings.force_law {
+        ForceLaw::H => with_law::<S, _>(friction(&pack.units()), pack, settings),
+        ForceLaw::M1 => with_law::<S, _>(rescaled(), pack, settings),
+        ForceLaw::M2 => with_law::<S, _>(sliced(), pack, settings),
+    }
+}
+
+fn with_law<S: Shape, T: TangentialLaw>(
+    law: T,
+    pack: &PackFile,
+    settings: &Settings,
+) -> Option<Box<dyn Bench>> {
     match (settings.precision, settings.lanes) {
-        (Precision::F64, 1) => scene::<F64x1, S>(pack, settings),
-        (Precision::F64, 8) => scene::<F64x8, S>(pack, settings),
-        (Precision::F32, 8) => scene::<F32x8, S>(pack, settings),
-        (Precision::F32, 16) => scene::<F32x16, S>(pack, settings),
+        (Precision::F64, 1) => scene::<F64x1, S, T>(law, pack, settings),
+        (Precision::F64, 8) => scene::<F64x8, S, T>(law, pack, settings),
+        (Precision::F32, 8) => scene::<F32x8, S, T>(law, pack, settings),
+        (Precision::F32, 16) => scene::<F32x16, S, T>(law, pack, settings),
         _ => None,
     }
 }
 
-fn scene<R: Replicas, S: Shape>(pack: &PackFile, settings: &Settings) -> Option<Box<dyn Bench>> {
+fn scene<R: Replicas, S: Shape, T: TangentialLaw>(
+    tangential: T,
+    pack: &PackFile,
+    settings: &Settings,
+) -> Option<Box<dyn Bench>> {
     let poses = pack.poses();
     let order = crate::grains::spatial_order(&poses);
     let reference = order.into_iter().map(|i| poses[i]).collect();
-    let laws: Laws<With<S, Hooke, ()>> = Laws {
+    let laws: Laws<With<S, T, ()>> = Laws {
         body: pack.body()?,
         material: material(),
-        tangential: friction(&pack.units()),
+        tangential,
         body_force: (),
         time_step: settings.time_step,
         dither: 0.0,
@@ -218,7 +266,7 @@ fn scene<R: Replicas, S: Shape>(pack: &PackFile, settings: &Settings) -> Option<
     let walls = pack.r#box.iter().flatten();
     let walls: Vec<f64> = walls.map(|x| x / pack.radius).collect();
     let walls = Walls::at_rest(walls.try_into().unwrap_or_default());
-    Some(Box::new(Scene::<R, With<S, Hooke, ()>>::new(
+    Some(Box::new(Scene::<R, With<S, T, ()>>::new(
         laws, grains, walls,
     )))
 }

@@ -4,7 +4,7 @@
 //! Both see one contact at a time and know nothing of grains, neighbors or walls.
 //! Throughout, `p` is the overlap, positive when touching, and `n̂` the unit normal from `j` into `i`.
 
-use crate::lanes::Lane;
+use crate::lanes::{Lane, Row};
 use crate::math::Vec3;
 
 mod elongation;
@@ -12,6 +12,12 @@ pub mod frictionless;
 pub mod hertz;
 pub mod hooke;
 pub mod mindlin;
+pub mod mindlin_rescale;
+pub mod mindlin_sliced;
+pub mod path;
+pub mod slices;
+
+use slices::Slices;
 
 /// One contact, in every lane; lanes that do not touch hold numbers without meaning that the caller drops.
 #[derive(Clone, Copy, Debug)]
@@ -66,6 +72,9 @@ pub trait TangentialLaw: Copy + Send + Sync + 'static {
     /// What one contact remembers from step to step, in memory (rows) or in registers (lanes); `[T; 0]` if nothing.
     type History<T: Copy + Send + Sync>: Components<T> + Send + Sync;
 
+    /// What one contact remembers besides, of which a step seldom needs anything; `()` if nothing.
+    type Slices<R: Row>: Slices<R::Scalar> + Clone + Default + Send + Sync;
+
     /// The law's constants in registers.
     type Constants<L: Lane>: Copy;
 
@@ -75,10 +84,17 @@ pub trait TangentialLaw: Copy + Send + Sync + 'static {
     /// Loads the constants.
     fn constants<L: Lane>(&self) -> Self::Constants<L>;
 
-    /// Tangential force on grain `i` \[E R²\], in every lane; advances `history` by one step.
+    /// Tangential force on grain `i` \[E R²\], in every lane; advances what the contact remembers by one step.
     fn force<L: Lane>(
         constants: &Self::Constants<L>,
         contact: &Contact<L>,
         history: &mut Self::History<L>,
+        slices: &mut impl Slices<L::Scalar>,
     ) -> Vec3<L>;
+
+    /// How many slices a contact of this history remembers.
+    #[must_use]
+    fn slices(_history: &[f64]) -> usize {
+        0
+    }
 }

@@ -32,6 +32,8 @@ pub struct Guard {
     pub parameter: &'static str,
     /// The critical time step when the stage began.
     pub critical_at_start: CriticalTimeStep,
+    /// p_max of law M2, which knows no contact that is deeper \[R\].
+    pub deepest_slice: Option<f64>,
 }
 
 impl Guard {
@@ -78,6 +80,16 @@ impl Guard {
                 seen.largest_overlap
             );
             return Err(self.blame(time_step, suspicious, "overlap", &detail));
+        }
+        if let Some(deepest) = self.deepest_slice.filter(|&p| seen.largest_overlap > p) {
+            return Err(Stop {
+                kind: "overlap",
+                detail: format!(
+                    "two spheres overlap by {:.3} R, more than slice_overlap = {deepest:?} R, the last that law M2 knows",
+                    seen.largest_overlap
+                ),
+                remedy: "use a larger slice_overlap".to_owned(),
+            });
         }
         if seen.largest_wall_overlap > LARGEST_OVERLAP {
             let detail = format!(

@@ -123,6 +123,12 @@ impl Units {
     pub fn stiffness_from_si(&self, stiffness: f64) -> f64 {
         stiffness / (self.pressure * self.length)
     }
+
+    /// A stiffness over the root of an overlap \[N/m^(3/2)\], as k_n and k_M, in units of E R^½.
+    #[must_use]
+    pub fn stiffness_per_root_from_si(&self, stiffness: f64) -> f64 {
+        stiffness / (self.pressure * self.length.sqrt())
+    }
 }
 
 #[cfg(test)]

@@ -12,6 +12,9 @@ use crate::neighbor::Key;
 
 const MAGIC: &[u8; 8] = b"granary\x01";
 
+/// Instead of the number of components that all histories have: each begins with its own.
+const EACH_ITS_OWN: u32 = u32::MAX;
+
 /// What one contact remembers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Remembered {
@@ -98,8 +101,15 @@ impl Writer {
     /// What contacts remember.
     pub(crate) fn contacts(&mut self, contacts: &[Remembered]) {
         self.count(contacts.len());
-        self.count(contacts.first().map_or(0, |contact| contact.history.len()));
+        let of_first = contacts.first().map_or(0, |contact| contact.history.len());
+        let alike = contacts
+            .iter()
+            .all(|contact| contact.history.len() == of_first);
+        self.word(if alike { of_first as u32 } else { EACH_ITS_OWN });
         for Remembered { i, key, history } in contacts {
+            if !alike {
+                self.count(history.len());
+            }
             self.0.extend(i.to_le_bytes());
             self.0.extend(key.j.to_le_bytes());
             self.0.extend([key.a, key.b]);
@@ -206,9 +216,13 @@ impl<'a> Reader<'a> {
 
     /// What contacts of so many grains remember.
     pub(crate) fn contacts(&mut self, grains: usize) -> Result<Vec<Remembered>, String> {
-        let (n, components) = (self.word()?, self.word()?);
+        let (n, of_all) = (self.word()?, self.word()?);
         let mut contacts = vec![];
         for _ in 0..n {
+            let components = match of_all {
+                EACH_ITS_OWN => self.word()?,
+                all => all,
+            };
             let (i, j) = (self.word()?, self.word()?);
             let spheres = self.take(2)?;
             let key = Key {

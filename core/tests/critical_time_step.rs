@@ -31,7 +31,7 @@ mod stiffness_matrix;
 #[allow(dead_code, reason = "every proof takes what it needs")]
 mod tiny_pack;
 
-use free_grains::{Free, HOOKE, laws, scene};
+use free_grains::{Free, HOOKE, MINDLIN, laws, scene};
 use stiffness_matrix::{largest_eigenvalue, weighted};
 use tiny_pack::{Results, finish, outcome, tiny};
 
@@ -108,14 +108,21 @@ fn a_sheared_pair_has_the_closed_form() {
     let across = Across {
         stiffness: 0.6,
         damping: 0.04,
+        ..Across::default()
     };
-    let measured = critical_time_step(&scene, 0, across);
+    // Mindlin's stiffness goes with the root of the overlap.
+    let root = OVERLAP.sqrt();
+    let growing = Across {
+        stiffness_per_root: across.stiffness / root,
+        damping_per_root: across.damping / root,
+        ..Across::default()
+    };
     let arm = 1.0 - 0.5 * OVERLAP;
     let share = 2.0 / mass * (1.0 + 2.5 * arm * arm);
-    assert_exact(
-        measured,
-        closed_form(across.stiffness * share, across.damping * share),
-    );
+    let expected = closed_form(across.stiffness * share, across.damping * share);
+    for across in [across, growing] {
+        assert_exact(critical_time_step(&scene, 0, across), expected);
+    }
 }
 
 /// Asserts that the bounds of a prepared pack's critical time step enclose the one of its stiffness matrix.
@@ -144,8 +151,14 @@ fn the_bounds_enclose_the_critical_time_step_of_a_pack() {
     let stuck = Across {
         stiffness: HOOKE.stiffness,
         damping: HOOKE.damping,
+        ..Across::default()
     };
-    for across in [Across::default(), stuck] {
+    let growing = Across {
+        stiffness_per_root: MINDLIN.stiffness,
+        damping_per_root: MINDLIN.damping,
+        ..Across::default()
+    };
+    for across in [Across::default(), stuck, growing] {
         assert_enclosed::<Sphere>("sphere", 40, across);
         assert_enclosed::<Tetrahedron>("tetrahedron", 40, across);
     }
@@ -191,6 +204,7 @@ fn held(share: f64) -> Option<Stop> {
     };
     let guard = Guard {
         parameter: "time_step",
+        deepest_slice: None,
         critical_at_start: critical_time_step(&scene, 0, Across::default()),
     };
     let mut drive = Drive::new(scene, cycle, vec![silent], Across::default(), guard);

@@ -18,9 +18,9 @@ mod tiny_pack;
 
 use tiny_pack::{Results, Trained, finish, outcome, tiny};
 
-/// Trained packs of tetrahedra without drag, tetrahedra with drag, spheres, and tetrahedra without friction.
-fn packs() -> &'static [Trained; 4] {
-    static PACKS: OnceLock<[Trained; 4]> = OnceLock::new();
+/// Trained packs of tetrahedra without drag, tetrahedra with drag, spheres, tetrahedra without friction, and of laws M1 and M2.
+fn packs() -> &'static [Trained; 6] {
+    static PACKS: OnceLock<[Trained; 6]> = OnceLock::new();
     PACKS.get_or_init(|| {
         [
             Trained::new(tiny(&json!({}))),
@@ -29,6 +29,8 @@ fn packs() -> &'static [Trained; 4] {
             Trained::new(tiny(
                 &json!({"friction_coefficient": 0.0, "packing_seed": 4}),
             )),
+            Trained::new(tiny(&json!({"force_law": "M1", "packing_seed": 5}))),
+            Trained::new(tiny(&json!({"force_law": "M2", "packing_seed": 6}))),
         ]
     })
 }

@@ -14,7 +14,9 @@ use granary_core::shape::{Shape, Sphere, Tetrahedron};
 #[allow(dead_code, reason = "every proof takes what it needs")]
 mod free_grains;
 
-use free_grains::{Free, HOOKE, Momenta, crowd, laws, momenta, scene, set_random_motions};
+use free_grains::{
+    Free, HOOKE, MINDLIN, Momenta, SLICED, crowd, laws, momenta, scene, set_random_motions,
+};
 
 /// 2⁻⁵³: what one operation may round by.
 const ROUNDING: f64 = 1.1e-16;
@@ -63,6 +65,8 @@ fn a_lone_run_keeps_its_momenta() {
         momentum_is_kept::<F64x1, Sphere, _>(HOOKE, seed);
         momentum_is_kept::<F64x1, Tetrahedron, _>(HOOKE, seed);
         momentum_is_kept::<F64x1, Tetrahedron, _>(Frictionless, seed);
+        momentum_is_kept::<F64x1, Tetrahedron, _>(MINDLIN, seed);
+        momentum_is_kept::<F64x1, Tetrahedron, _>(SLICED, seed);
     }
 }
 
@@ -72,6 +76,8 @@ fn every_lane_of_eight_keeps_its_momenta() {
         momentum_is_kept::<F64x8, Sphere, _>(HOOKE, seed);
         momentum_is_kept::<F64x8, Tetrahedron, _>(HOOKE, seed);
         momentum_is_kept::<F64x8, Tetrahedron, _>(Frictionless, seed);
+        momentum_is_kept::<F64x8, Tetrahedron, _>(MINDLIN, seed);
+        momentum_is_kept::<F64x8, Tetrahedron, _>(SLICED, seed);
     }
 }
 

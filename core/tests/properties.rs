@@ -4,6 +4,8 @@
 
 use granary_core::contact::hooke::Hooke;
 use granary_core::contact::mindlin::{Mindlin, TangentialStiffness};
+use granary_core::contact::mindlin_rescale::MindlinRescale;
+use granary_core::contact::mindlin_sliced::MindlinSliced;
 use granary_core::contact::{Components, Contact, TangentialLaw};
 use granary_core::grains::{Grains, Motion, Pose};
 use granary_core::lanes::{F64x1, F64x8};
@@ -21,7 +23,9 @@ use proptest::test_runner::RngSeed;
 #[allow(dead_code, reason = "every proof takes what it needs")]
 mod free_grains;
 
-use free_grains::{Free, HOOKE, body, crowd, laws, random_orientation, random3, scene};
+use free_grains::{
+    Free, HOOKE, MINDLIN, SLICED, body, crowd, laws, random_orientation, random3, scene,
+};
 
 /// The centers of `count` grains scattered in a box of the given sides.
 fn scattered<S: Shape>(seed: u64, count: u64, sides: [f64; 3]) -> Vec<[f64; 3]> {
@@ -253,7 +257,11 @@ proptest! {
         let mindlin = Mindlin::new(pair, TangentialStiffness::Paper, 0.3, friction_coefficient);
         let hooke = pulls(hooke, normal, &slides, normal_force);
         let mindlin = pulls(mindlin, normal, &slides, normal_force);
-        for force in hooke.into_iter().chain(mindlin) {
+        let rescaled = MindlinRescale { friction_coefficient, ..MINDLIN };
+        let rescaled = pulls(rescaled, normal, &slides, normal_force);
+        let sliced = MindlinSliced { friction_coefficient, ..SLICED };
+        let sliced = pulls(sliced, normal, &slides, normal_force);
+        for force in [hooke, mindlin, rescaled, sliced].concat() {
             let limit = friction_coefficient * normal_force;
             // Scaled to the limit by one division, one root and three products: 4 × 2⁻⁵³, and a lane at the limit itself.
             prop_assert!(norm(force) <= limit * (1.0 + 1e-15));
@@ -271,6 +279,7 @@ fn pulls<T: TangentialLaw>(
     normal_force: f64,
 ) -> Vec<[f64; 3]> {
     let mut history = Components::from_fn(|_| F64x1::default());
+    let mut slices = T::Slices::<F64x1>::default();
     let pull = |&slide: &[f64; 3]| {
         let contact = Contact {
             normal: vector(normal),
@@ -281,7 +290,7 @@ fn pulls<T: TangentialLaw>(
             time_step: F64x1([1.0]),
             dither: F64x1([0.0]),
         };
-        T::force(&law.constants(), &contact, &mut history).lane(0)
+        T::force(&law.constants(), &contact, &mut history, &mut slices).lane(0)
     };
     slides.iter().map(pull).collect()
 }

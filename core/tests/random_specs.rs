@@ -115,6 +115,9 @@ fn larger_packs_keep_within_what_they_said() {
         json!({"overlap": 0.9, "precision": "f64", "skin": 0.5}),
         json!({"overlap": 0.97, "delta0": 0.2}),
         json!({"shape": "sphere", "skin": 0.3}),
+        json!({"force_law": "M1", "overlap": 0.9}),
+        json!({"force_law": "M2", "skin": 0.3}),
+        json!({"force_law": "M2", "overlap": 0.9, "precision": "f64", "slices": 300}),
     ] {
         let mut map = json!({
             "grains": 500, "ramp": 400.0, "preparation_ramp": 400.0, "preparation_cycles": 1, "gas_time": 200.0,
@@ -143,6 +146,7 @@ proptest! {
         (damping, tangential, wall, hold) in (decades(1e-3, 100.0), 0.0..=10.0f64, decades(1e-2, 100.0), 0.0..2.0f64),
         (time_step, preparation, skin, single) in (decades(0.05, 5.0), decades(0.2, 3.0), 0.0..=1.0f64, any::<bool>()),
         (drag, second, seed) in (0.0..=1.0f64, any::<bool>(), 0u64..1000),
+        (law, slices, slice_overlap) in (prop_oneof!["H", "M1", "M2"], 5u32..200, decades(1e-2, 0.5)),
     ) {
         let _alone = ALONE.lock();
         try_point(&json!({
@@ -151,7 +155,8 @@ proptest! {
             "servo_pressure": pressure, "normal_damping": damping, "tangential_damping_ratio": tangential,
             "wall_stiffness": wall, "hold": hold, "time_step": time_step, "preparation_time_step": preparation,
             "skin": skin, "precision": if single { "f32" } else { "f64" }, "drag": drag, "second_cycle": second,
-            "packing_seed": seed, "waveform": "six/1",
+            "packing_seed": seed, "waveform": "six/1", "force_law": law, "slices": slices,
+            "slice_overlap": slice_overlap,
             "ramp": 400.0, "preparation_ramp": 400.0, "preparation_cycles": 1, "gas_time": 200.0,
             "rest_kinetic_energy": 1e-7,
         }))?;

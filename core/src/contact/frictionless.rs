@@ -1,7 +1,7 @@
 //! Perfectly smooth grains: no force, no memory.
 
-use super::{Contact, TangentialLaw};
-use crate::lanes::Lane;
+use super::{Contact, Slices, TangentialLaw};
+use crate::lanes::{Lane, Row};
 use crate::math::Vec3;
 
 /// No tangential force.
@@ -10,6 +10,7 @@ pub struct Frictionless;
 
 impl TangentialLaw for Frictionless {
     type History<T: Copy + Send + Sync> = [T; 0];
+    type Slices<R: Row> = ();
     type Constants<L: Lane> = ();
     const TANGENTIAL: bool = false;
 
@@ -17,7 +18,12 @@ impl TangentialLaw for Frictionless {
     fn constants<L: Lane>(&self) {}
 
     #[inline(always)]
-    fn force<L: Lane>((): &(), _contact: &Contact<L>, _history: &mut [L; 0]) -> Vec3<L> {
+    fn force<L: Lane>(
+        (): &(),
+        _contact: &Contact<L>,
+        _history: &mut [L; 0],
+        _slices: &mut impl Slices<L::Scalar>,
+    ) -> Vec3<L> {
         Vec3::zero()
     }
 }

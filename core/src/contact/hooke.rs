@@ -5,8 +5,8 @@
 //! Apart from the damping this is the law of Cundall and Strack.
 
 use super::elongation::{turn, turned};
-use super::{Contact, TangentialLaw};
-use crate::lanes::{Lane, Mask, Scalar};
+use super::{Contact, Slices, TangentialLaw};
+use crate::lanes::{Lane, Mask, Row, Scalar};
 use crate::math::Vec3;
 
 /// Law H.
@@ -32,6 +32,7 @@ pub struct HookeConstants<L> {
 impl TangentialLaw for Hooke {
     /// ξ \[R\], the elongation of the spring: the path that `i` slid over `j`.
     type History<T: Copy + Send + Sync> = [T; 3];
+    type Slices<R: Row> = ();
     type Constants<L: Lane> = HookeConstants<L>;
     const TANGENTIAL: bool = true;
 
@@ -50,6 +51,7 @@ impl TangentialLaw for Hooke {
         law: &HookeConstants<L>,
         contact: &Contact<L>,
         history: &mut [L; 3],
+        _slices: &mut impl Slices<L::Scalar>,
     ) -> Vec3<L> {
         let [x, y, z] = *history;
         let before = Vec3 { x, y, z };
@@ -113,7 +115,7 @@ mod tests {
     }
 
     fn force(contact: &Contact<F64x1>, history: &mut [F64x1; 3]) -> [f64; 3] {
-        Hooke::force(&LAW.constants(), contact, history).lane(0)
+        Hooke::force(&LAW.constants(), contact, history, &mut ()).lane(0)
     }
 
     #[test]

@@ -9,8 +9,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::elongation::carried;
-use super::{Contact, TangentialLaw};
-use crate::lanes::Lane;
+use super::{Contact, Slices, TangentialLaw};
+use crate::lanes::{Lane, Row};
 use crate::material::Pair;
 use crate::math::Vec3;
 
@@ -90,6 +90,7 @@ pub struct MindlinConstants<L> {
 impl TangentialLaw for Mindlin {
     /// ξ \[m\], the elongation of the spring: the path that `i` slid over `j`.
     type History<T: Copy + Send + Sync> = [T; 3];
+    type Slices<R: Row> = ();
     type Constants<L: Lane> = MindlinConstants<L>;
     const TANGENTIAL: bool = true;
 
@@ -108,6 +109,7 @@ impl TangentialLaw for Mindlin {
         law: &MindlinConstants<L>,
         contact: &Contact<L>,
         history: &mut [L; 3],
+        _slices: &mut impl Slices<L::Scalar>,
     ) -> Vec3<L> {
         let [x, y, z] = *history;
         let carried = carried(Vec3 { x, y, z }, contact.normal);

@@ -60,6 +60,7 @@ struct Header {
 fn guard(critical_at_start: CriticalTimeStep) -> Guard {
     Guard {
         parameter: "preparation_time_step",
+        deepest_slice: None,
         critical_at_start,
     }
 }

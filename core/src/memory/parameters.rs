@@ -38,18 +38,31 @@ pub const PRESETS: &[Preset] = &[
 pub(super) const LEAST_SINGLE_GAMMA0: f64 = 1e-5;
 
 /// Rules between parameters; the first of each is the one to change.
-pub const RULES: &[Rule] = &[Rule {
-    parameters: &["precision", "gamma0"],
-    broken: |point| {
-        let gamma0 = point["gamma0"].as_f64()?;
-        (point["precision"] == "f32" && gamma0 < LEAST_SINGLE_GAMMA0).then(|| {
-            format!(
-                "single precision cannot see a shear of gamma0 = {gamma0:?}: use precision = \"f64\", or a gamma0 of \
-                 {LEAST_SINGLE_GAMMA0:?} and more"
-            )
-        })
+pub const RULES: &[Rule] = &[
+    Rule {
+        parameters: &["precision", "gamma0"],
+        broken: |point| {
+            let gamma0 = point["gamma0"].as_f64()?;
+            (point["precision"] == "f32" && gamma0 < LEAST_SINGLE_GAMMA0).then(|| {
+                format!(
+                    "single precision cannot see a shear of gamma0 = {gamma0:?}: use precision = \"f64\", or a gamma0 of \
+                     {LEAST_SINGLE_GAMMA0:?} and more"
+                )
+            })
+        },
     },
-}];
+    Rule {
+        parameters: &["tangential_stiffness", "force_law"],
+        broken: |point| {
+            let stiffness = point["tangential_stiffness"].as_f64()?;
+            let law = point["force_law"].as_str().filter(|&law| law != "H")?;
+            Some(format!(
+                "tangential_stiffness = {stiffness:?} N/m is the stiffness of law H; that of law {law} is Mindlin's and follows \
+                 from the material: leave it out, or use force_law = \"H\""
+            ))
+        },
+    },
+];
 
 /// The settings among which a sweep with `[accuracy]` may choose, cheapest first, and the reference that they are held
 /// against; all of them say the same parameters. They are few, since a pilot computes them all.
@@ -127,9 +140,10 @@ pub const PARAMETERS: &[Parameter] = &[
     Parameter::choice(
         Section::Fixed,
         ("force_law", "law"),
-        &["H"],
+        &["H", "M1", "M2"],
         "H",
-        "Tangential force law: H is a linear spring and dashpot under a Coulomb limit (Eq. 4).",
+        "Tangential force law: H is a linear spring and dashpot under a Coulomb limit (Eq. 4); M1 is Mindlin's, whose spring \
+         grows with the contact and is weakened as it shrinks (Eq. 5); M2 is Mindlin's with its whole history (App. D.2).",
     ),
     Parameter::real(
         Section::Fixed,
@@ -145,7 +159,7 @@ pub const PARAMETERS: &[Parameter] = &[
         section: Section::Fixed,
         domain: Domain::Real(Open(0.0), Closed(1e12)),
         default: DefaultValue::Derived,
-        sentence: "Stiffness of law H; by default k_M √p_typ with k_M = 3 k_n (1 − ν)/(2 − ν).",
+        sentence: "Stiffness of law H, and of no other; by default k_M √p_typ with k_M = 3 k_n (1 − ν)/(2 − ν).",
     },
     Parameter::real(
         Section::Fixed,
@@ -255,6 +269,20 @@ pub const PARAMETERS: &[Parameter] = &[
         (Open(0.0), Closed(1.0)),
         0.1,
         "How far beyond touching the neighbor list reaches.",
+    ),
+    Parameter::integer(
+        Section::Numerics,
+        ("slices", "Q"),
+        (5, 10_000),
+        100,
+        "Values of √p at which law M2 keeps what a contact has been through; other laws keep nothing of the kind.",
+    ),
+    Parameter::real(
+        Section::Numerics,
+        ("slice_overlap", "p_max", "R"),
+        (Open(0.0), Closed(0.5)),
+        0.25,
+        "Overlap at the last of law M2's slices; a run in which spheres overlap by more is stopped.",
     ),
     Parameter::real(
         Section::Preparation,

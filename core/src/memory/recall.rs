@@ -162,7 +162,7 @@ fn begun<R: Replicas, P: Physics>(
         run::give_memory(&mut scene, k, &input.contacts)?;
     }
     // Every replica starts alike, in the reference itself, so one measurement holds for all.
-    let guard = run::guard(critical_time_step(&scene, 0, chosen.across));
+    let guard = run::guard(critical_time_step(&scene, 0, chosen.across), chosen.slices);
     guard
         .admit(time_step, guard.critical_at_start)
         .map_err(|stop| run::stopped(0, stop))?;
@@ -201,7 +201,7 @@ fn resumed<R: Replicas, P: Physics>(
     let (spec, past) = (&recalls.specs[0], recalls.past);
     let laws = laws(past, chosen, spec.skin, spec.ramp, spec.time_step);
     let scene = run::restored(laws, past.walls, &saved)?;
-    let guard = run::guard(headers[0].critical_at_start);
+    let guard = run::guard(headers[0].critical_at_start, chosen.slices);
     let mut drive = Drive::new(
         scene,
         cycle(spec, past),

@@ -6,8 +6,10 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use super::cycle::{Drive, Program, REPORT_EVERY};
+use super::spec::Slices;
 use super::state::{Checkpoint, PackState, Past};
 use super::waveform::Waveform;
+use crate::contact::TangentialLaw;
 use crate::grains::{Grains, Pose};
 use crate::guard::{Guard, Stop};
 use crate::observable::Observation;
@@ -28,9 +30,10 @@ pub(crate) fn stopped(step: u64, stop: Stop) -> StageFailure {
 }
 
 /// The guard of a training or a recall.
-pub(crate) fn guard(critical_at_start: CriticalTimeStep) -> Guard {
+pub(crate) fn guard(critical_at_start: CriticalTimeStep, slices: Option<Slices>) -> Guard {
     Guard {
         parameter: "time_step",
+        deepest_slice: slices.map(|slices| slices.largest_overlap),
         critical_at_start,
     }
 }
@@ -154,7 +157,8 @@ pub(crate) fn give_memory<R: Replicas, P: Physics>(
 ) -> Result<(), StageFailure> {
     let components = history_components::<P::Tangential>();
     for Remembered { i, key, history } in contacts {
-        if history.len() != components || !scene.remember(k, *i, *key, history) {
+        let slices = P::Tangential::slices(history);
+        if history.len() != components + 2 * slices || !scene.remember(k, *i, *key, history) {
             let detail = format!(
                 "the contact of grains {i} and {} does not fit the pack",
                 key.j

@@ -25,6 +25,10 @@ pub enum ShapeName {
 pub enum ForceLaw {
     /// Linear spring and dashpot under a Coulomb limit, Eq. (4).
     H,
+    /// Mindlin's spring, weakened as the overlap falls, Eq. (5).
+    M1,
+    /// Mindlin's linearized law with its whole history, by slices of the contact, App. D.2.
+    M2,
 }
 
 /// The numbers that a recall is computed in.
@@ -116,7 +120,7 @@ pub struct TrainSpec {
     pub friction_coefficient: f64,
     /// The tangential law.
     pub force_law: ForceLaw,
-    /// k_H \[N/m\], resolved.
+    /// k_H \[N/m\], resolved, or k_M \[N/m^(3/2)\] of laws M1 and M2.
     pub tangential_stiffness: f64,
     /// (γ_H/k_H)/(γ_n/k_n).
     pub tangential_damping_ratio: f64,
@@ -128,6 +132,19 @@ pub struct TrainSpec {
     pub drag: f64,
     /// \[R\].
     pub skin: f64,
+    /// Of law M2 only.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub slices: Option<Slices>,
+}
+
+/// How finely law M2 knows what a contact has been through.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Slices {
+    /// Q.
+    pub number: u32,
+    /// p_max \[R\].
+    pub largest_overlap: f64,
 }
 
 /// The beginning of an encoding, which several words share: what enters the stage `encode`.
@@ -248,6 +265,8 @@ pub struct MemoryPoint {
     pub preparation_time_step: f64,
     pub preparation_ramp: f64,
     pub rest_kinetic_energy: f64,
+    pub slices: u32,
+    pub slice_overlap: f64,
 }
 
 impl MemoryPoint {
@@ -300,14 +319,21 @@ impl MemoryPoint {
             / (1.0 - self.poisson_ratio * self.poisson_ratio)
     }
 
-    /// k_H \[N/m\]: as given, or k_M √p_typ.
+    /// k_M \[N/m^(3/2)\] = 3 k_n (1 − ν)/(2 − ν), Eq. (5).
+    fn mindlin_stiffness(&self) -> f64 {
+        3.0 * self.normal_stiffness() * (1.0 - self.poisson_ratio) / (2.0 - self.poisson_ratio)
+    }
+
+    /// k_H \[N/m\]: as given, or k_M √p_typ; k_M \[N/m^(3/2)\] of laws M1 and M2.
     #[must_use]
     pub fn resolved_tangential_stiffness(&self) -> f64 {
-        self.tangential_stiffness.unwrap_or_else(|| {
-            let k_m = 3.0 * self.normal_stiffness() * (1.0 - self.poisson_ratio)
-                / (2.0 - self.poisson_ratio);
-            k_m * (self.typical_overlap * self.radius).sqrt()
-        })
+        let mindlin = self.mindlin_stiffness();
+        match self.force_law {
+            ForceLaw::H => self
+                .tangential_stiffness
+                .unwrap_or_else(|| mindlin * (self.typical_overlap * self.radius).sqrt()),
+            ForceLaw::M1 | ForceLaw::M2 => mindlin,
+        }
     }
 
     /// The stage `pack` of this point.
@@ -353,6 +379,10 @@ impl MemoryPoint {
             ramp: self.ramp,
             drag: self.drag,
             skin: self.skin,
+            slices: (self.force_law == ForceLaw::M2).then_some(Slices {
+                number: self.slices,
+                largest_overlap: self.slice_overlap,
+            }),
         }
     }
 

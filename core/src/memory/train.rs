@@ -9,7 +9,7 @@ use super::pack::{body, material};
 use super::ramp_steps;
 use super::run;
 use super::sound::{self, Sound};
-use super::spec::TrainSpec;
+use super::spec::{Slices, TrainSpec};
 use super::state::{Checkpoint, PackState, Past};
 use crate::grains::Grains;
 use crate::lanes::{F64x1, VectorWidth};
@@ -36,6 +36,8 @@ pub(crate) struct Chosen<P: Physics> {
     pub(crate) tangential: P::Tangential,
     /// Its stiffness before it slips.
     pub(crate) across: Across,
+    /// Law M2's slices.
+    pub(crate) slices: Option<Slices>,
     /// The body force.
     pub(crate) body_force: P::Body,
     /// The vector instructions.
@@ -127,7 +129,7 @@ fn begun<P: Physics>(
         grains.set_motion(i, 0, motion);
     }
     let scene = Scene::new(laws, grains, Walls::at_rest(input.past.walls));
-    let guard = run::guard(critical_time_step(&scene, 0, chosen.across));
+    let guard = run::guard(critical_time_step(&scene, 0, chosen.across), chosen.slices);
     guard
         .admit(time_step, guard.critical_at_start)
         .map_err(|stop| run::stopped(0, stop))?;
@@ -152,7 +154,7 @@ fn resumed<P: Physics>(
     let header = saved.header.clone();
     let laws = laws(&input.past, chosen, spec.skin, spec.ramp, spec.time_step);
     let scene = run::restored(laws, input.past.walls, &[saved])?;
-    let guard = run::guard(header.critical_at_start);
+    let guard = run::guard(header.critical_at_start, chosen.slices);
     let mut drive = Drive::new(
         scene,
         cycle(spec, &input.past),

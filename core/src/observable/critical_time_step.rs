@@ -66,6 +66,10 @@ pub struct Across {
     pub stiffness: f64,
     /// \[E R t_c\].
     pub damping: f64,
+    /// What the root of the overlap adds to the stiffness \[E R^½\].
+    pub stiffness_per_root: f64,
+    /// What it adds to the damping \[E R^½ t_c\].
+    pub damping_per_root: f64,
 }
 
 /// The critical time step of replica `k`.
@@ -194,7 +198,10 @@ fn tangents<R: Replicas, P: Physics>(
                     1.5 * material.normal_stiffness * root,
                     material.normal_damping * root,
                 ),
-                across: resistance(across.stiffness, across.damping),
+                across: resistance(
+                    across.stiffness + across.stiffness_per_root * root,
+                    across.damping + across.damping_per_root * root,
+                ),
             });
         }
     }

@@ -3,6 +3,7 @@
 //! One list serves all replicas.
 //! It holds every pair of spheres that any replica could bring to touch before the next renewal.
 
+use crate::contact::slices::Slices;
 use crate::contact::{Components, TangentialLaw};
 use crate::crew;
 use crate::grains::Grains;
@@ -62,8 +63,8 @@ pub(crate) struct WallCandidate<S> {
     pub(crate) a: u8,
 }
 
-/// Row starts, candidates, whether they touched and histories of the last list.
-type OldRows<S, H> = (Vec<u32>, Vec<Candidate<S>>, Vec<bool>, Vec<H>);
+/// The last list: row starts, candidates, whether they touched, histories and slices.
+type OldRows<S, H, D> = (Vec<u32>, Vec<Candidate<S>>, Vec<bool>, Vec<H>, Vec<D>);
 
 /// All candidates and histories.
 #[derive(Clone)]
@@ -79,10 +80,12 @@ pub(crate) struct Contacts<R: Row, T: TangentialLaw> {
     /// Of every candidate, whether any replica touched in the last step, so that there is a history to forget.
     pub(crate) live: Vec<bool>,
     pub(crate) histories: Vec<T::History<R>>,
+    /// What each candidate remembers besides.
+    pub(crate) slices: Vec<T::Slices<R>>,
     pub(crate) wall_starts: Vec<u32>,
     pub(crate) wall_candidates: Vec<WallCandidate<R::Scalar>>,
     /// Last list's rows, while the next one takes over their histories.
-    old: OldRows<R::Scalar, T::History<R>>,
+    old: OldRows<R::Scalar, T::History<R>, T::Slices<R>>,
     grid: CellGrid,
     found: Rows,
     /// How fast each grain was when the list was built.
@@ -139,9 +142,10 @@ impl<R: Row, T: TangentialLaw> Contacts<R, T> {
             candidates: vec![],
             live: vec![],
             histories: vec![],
+            slices: vec![],
             wall_starts: vec![],
             wall_candidates: vec![],
-            old: (vec![], vec![], vec![], vec![]),
+            old: (vec![], vec![], vec![], vec![], vec![]),
             grid: CellGrid::default(),
             found: Rows::default(),
             speeds: vec![],
@@ -310,16 +314,19 @@ impl<R: Row, T: TangentialLaw> Contacts<R, T> {
         std::mem::swap(&mut self.candidates, &mut self.old.1);
         std::mem::swap(&mut self.live, &mut self.old.2);
         std::mem::swap(&mut self.histories, &mut self.old.3);
+        std::mem::swap(&mut self.slices, &mut self.old.4);
         self.starts.clear();
         self.candidates.clear();
         self.live.clear();
         self.histories.clear();
+        self.slices.clear();
         let all = self.found.keys.len();
         make_room(&mut self.candidates, all);
         make_room(&mut self.live, all);
         make_room(&mut self.histories, all);
+        make_room(&mut self.slices, all);
         self.starts.extend_from_slice(&self.found.starts);
-        let (old_starts, old_candidates, old_live, old_histories) = &self.old;
+        let (old_starts, old_candidates, old_live, old_histories, old_slices) = &mut self.old;
         for i in 0..grains.len() {
             let (mut next, end) = match old_starts.get(i..i + 2) {
                 Some(range) => (range[0] as usize, range[1] as usize),
@@ -332,11 +339,13 @@ impl<R: Row, T: TangentialLaw> Contacts<R, T> {
                 let known = next < end && old_candidates[next].key() == key;
                 let live = known && old_live[next];
                 self.live.push(live);
-                self.histories.push(if live {
-                    old_histories[next]
+                let (history, slices) = if live {
+                    (old_histories[next], std::mem::take(&mut old_slices[next]))
                 } else {
-                    T::History::from_fn(|_| R::default())
-                });
+                    (T::History::from_fn(|_| R::default()), T::Slices::default())
+                };
+                self.histories.push(history);
+                self.slices.push(slices);
                 self.candidates.push(candidate(grains, i, key));
             }
         }
@@ -403,15 +412,19 @@ impl<R: Row, T: TangentialLaw> Contacts<R, T> {
         rows.flat_map(move |(i, range)| {
             (range[0] as usize..range[1] as usize)
                 .filter(|&c| self.live[c])
-                .map(move |c| {
-                    let history = self.histories[c]
-                        .as_slice()
-                        .iter()
-                        .map(|row| row.lanes()[k].to_f64())
-                        .collect();
-                    (i as u32, self.candidates[c].key(), history)
-                })
+                .map(move |c| (i as u32, self.candidates[c].key(), self.memory(c, k)))
         })
+    }
+
+    /// What candidate `c` remembers in replica `k`: its history, then its slices.
+    fn memory(&self, c: usize, k: usize) -> Vec<f64> {
+        let rows = self.histories[c].as_slice().iter();
+        let mut memory: Vec<f64> = rows.map(|row| row.lanes()[k].to_f64()).collect();
+        for slice in 0..T::slices(&memory) {
+            let numbers = self.slices[c].get(k, slice);
+            memory.extend(numbers.map(R::Scalar::to_f64));
+        }
+        memory
     }
 
     /// Gives replica `k` a remembered contact; `false` if the list does not hold the pair.
@@ -423,8 +436,14 @@ impl<R: Row, T: TangentialLaw> Contacts<R, T> {
         };
         let c = range.start + place;
         self.live[c] = true;
-        for (row, &value) in self.histories[c].as_mut_slice().iter_mut().zip(history) {
+        let rows = self.histories[c].as_mut_slice();
+        let (history, slices) = history.split_at(rows.len().min(history.len()));
+        for (row, &value) in rows.iter_mut().zip(history) {
             row.lanes_mut()[k] = R::Scalar::from_f64(value);
+        }
+        for (slice, &numbers) in slices.as_chunks().0.iter().enumerate() {
+            let numbers: [f64; 2] = numbers;
+            self.slices[c].set(k, slice, numbers.map(R::Scalar::from_f64));
         }
         true
     }
@@ -435,6 +454,9 @@ impl<R: Row, T: TangentialLaw> Contacts<R, T> {
             for row in history.as_mut_slice() {
                 row.lanes_mut()[to] = row.lanes()[from];
             }
+        }
+        for slices in &mut self.slices {
+            slices.copy_lane(from, to);
         }
     }
 }

@@ -4,6 +4,7 @@
 
 mod length;
 
+use crate::contact::slices::Slices;
 use crate::contact::{Contact, TangentialLaw, hertz};
 use crate::lanes::Lane;
 use crate::math::Vec3;
@@ -176,7 +177,10 @@ pub(super) fn interact<L: Lane, P: Physics>(
     geometry: &Geometry<L>,
     i: &Partner<L>,
     j: &Partner<L>,
-    history: &mut <P::Tangential as TangentialLaw>::History<L>,
+    (history, slices): (
+        &mut <P::Tangential as TangentialLaw>::History<L>,
+        &mut impl Slices<L::Scalar>,
+    ),
 ) -> Action<L> {
     let normal = geometry.normal;
     let half = L::constant(0.5);
@@ -209,7 +213,7 @@ pub(super) fn interact<L: Lane, P: Physics>(
             time_step: constants.time_step,
             dither: constants.dither,
         };
-        tangential = P::Tangential::force(&constants.tangential, &contact, history);
+        tangential = P::Tangential::force(&constants.tangential, &contact, history, slices);
     }
     // Beams keep the bits of a sum that is rounded twice.
     let force = if !P::Tangential::TANGENTIAL {

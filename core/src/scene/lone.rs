@@ -34,6 +34,9 @@ use super::{Laws, Physics, Scene};
 /// Lanes.
 const WIDE: usize = 8;
 
+/// Components of histories that become lanes together.
+const GROUP: usize = 3;
+
 /// Takes the whole step; returns how far anything can have moved.
 ///
 /// Grains act on each other, block by block, while their surroundings act on them, on the threads of the job:
@@ -100,6 +103,7 @@ fn pairs_act<P: Physics>(
     let listed = Listed::<P::Tangential> {
         candidates: &contacts.candidates,
         histories: &mut contacts.histories,
+        slices: &mut contacts.slices,
         live: &mut contacts.live,
         sums,
     };
@@ -107,6 +111,7 @@ fn pairs_act<P: Physics>(
         let Listed {
             candidates,
             histories,
+            slices,
             live,
             sums,
         } = listed;
@@ -114,7 +119,7 @@ fn pairs_act<P: Physics>(
             let pairs = Pairs {
                 laws,
                 candidates,
-                memory: (histories, live),
+                memory: (histories, slices, live),
                 read,
                 adding,
             };
@@ -127,6 +132,7 @@ fn pairs_act<P: Physics>(
 struct Listed<'a, T: TangentialLaw> {
     candidates: &'a [Candidate<f64>],
     histories: &'a mut [T::History<F64x1>],
+    slices: &'a mut [T::Slices<F64x1>],
     live: &'a mut [bool],
     sums: Sums<'a>,
 }
@@ -135,17 +141,20 @@ impl<T: TangentialLaw> Divide for Listed<'_, T> {
     fn divide(self, counts: &Counts) -> (Self, Self) {
         let (candidates, other_candidates) = self.candidates.split_at(counts.candidates);
         let (histories, other_histories) = self.histories.split_at_mut(counts.candidates);
+        let (slices, other_slices) = self.slices.split_at_mut(counts.candidates);
         let (live, other_live) = self.live.split_at_mut(counts.candidates);
         let (sums, other_sums) = self.sums.divide(counts);
         let own = Self {
             candidates,
             histories,
+            slices,
             live,
             sums,
         };
         let other = Self {
             candidates: other_candidates,
             histories: other_histories,
+            slices: other_slices,
             live: other_live,
             sums: other_sums,
         };
@@ -153,14 +162,25 @@ impl<T: TangentialLaw> Divide for Listed<'_, T> {
     }
 }
 
+/// What candidates remember, and whether they touched.
+type Memory<'a, T> = (
+    &'a mut [<T as TangentialLaw>::History<F64x1>],
+    &'a mut [<T as TangentialLaw>::Slices<F64x1>],
+    &'a mut [bool],
+);
+
+/// The same of eight.
+type MemoryOfEight<'a, T> = (
+    &'a mut [<T as TangentialLaw>::History<F64x1>; WIDE],
+    &'a mut [<T as TangentialLaw>::Slices<F64x1>; WIDE],
+    &'a mut [bool; WIDE],
+);
+
 /// Adds the forces of the pairs of a block.
 struct Pairs<'a, P: Physics> {
     laws: &'a Laws<P>,
     candidates: &'a [Candidate<f64>],
-    memory: (
-        &'a mut [<P::Tangential as TangentialLaw>::History<F64x1>],
-        &'a mut [bool],
-    ),
+    memory: Memory<'a, P::Tangential>,
     read: Read<'a>,
     adding: Adding<'a>,
 }
@@ -345,21 +365,20 @@ fn everywhere(vector: &Vec3<F64x1>) -> Vec3<F64x8> {
 fn interact_all<W: Lane<Row = F64x8, Scalar = f64>, P: Physics>(
     constants: &Constants<W, P::Tangential>,
     candidates: &[Candidate<f64>],
-    (histories, live): (
-        &mut [<P::Tangential as TangentialLaw>::History<F64x1>],
-        &mut [bool],
-    ),
+    (histories, slices, live): Memory<'_, P::Tangential>,
     (read, mut adding): (Read<'_>, Adding<'_>),
 ) {
     let (candidates, last_candidates) = candidates.as_chunks();
     let (histories, last_histories) = histories.as_chunks_mut();
+    let (slices, last_slices) = slices.as_chunks_mut();
     let (live, last_live) = live.as_chunks_mut();
-    for ((candidates, histories), live) in candidates.iter().zip(histories).zip(live) {
+    let memories = histories.iter_mut().zip(slices).zip(live);
+    for (candidates, ((histories, slices), live)) in candidates.iter().zip(memories) {
         interact_eight::<W, P>(
             constants,
             W::constant(0.0),
             candidates,
-            (histories, live),
+            (histories, slices, live),
             (read, &mut adding),
         );
     }
@@ -368,15 +387,22 @@ fn interact_all<W: Lane<Row = F64x8, Scalar = f64>, P: Physics>(
         let nth = |e: usize| e.min(count - 1);
         let mut histories = std::array::from_fn(|e| last_histories[nth(e)]);
         let mut live = std::array::from_fn(|e| last_live[nth(e)]);
+        let mut slices = std::array::from_fn(|e| match last_slices.get_mut(e) {
+            Some(slices) => std::mem::take(slices),
+            None => Default::default(),
+        });
         interact_eight::<W, P>(
             constants,
             excess_below(count),
             &std::array::from_fn(|e| last_candidates[nth(e)]),
-            (&mut histories, &mut live),
+            (&mut histories, &mut slices, &mut live),
             (read, &mut adding),
         );
         last_histories.copy_from_slice(&histories[..count]);
         last_live.copy_from_slice(&live[..count]);
+        for (last, slices) in last_slices.iter_mut().zip(slices) {
+            *last = slices;
+        }
     }
 }
 
@@ -395,10 +421,7 @@ fn interact_eight<W: Lane<Row = F64x8, Scalar = f64>, P: Physics>(
     constants: &Constants<W, P::Tangential>,
     bound: W,
     candidates: &[Candidate<f64>; WIDE],
-    (histories, live): (
-        &mut [<P::Tangential as TangentialLaw>::History<F64x1>; WIDE],
-        &mut [bool; WIDE],
-    ),
+    (histories, slices, live): MemoryOfEight<'_, P::Tangential>,
     (read, adding): (Read<'_>, &mut Adding<'_>),
 ) {
     let of_i = candidates.each_ref().map(Ball::i::<P>);
@@ -426,7 +449,7 @@ fn interact_eight<W: Lane<Row = F64x8, Scalar = f64>, P: Physics>(
         &geometry::<W, P>(branch, [radius_i, radius_j]),
         &read.partner::<W, P>(&of_i, radius_i),
         &read.partner::<W, P>(&of_j, radius_j),
-        &mut history,
+        (&mut history, slices),
     );
     remember::<W, P::Tangential>(&history, touching, histories);
     let action = action.keep(touching);
@@ -456,18 +479,20 @@ fn flags(bits: u32) -> [bool; WIDE] {
 fn remembered<W: Lane<Row = F64x8, Scalar = f64>, T: TangentialLaw>(
     histories: &[T::History<F64x1>; WIDE],
 ) -> T::History<W> {
-    let zero = T::History::<W>::from_fn(|_| W::constant(0.0));
-    let mut triples = [[0.0; 3]; WIDE];
-    for (triple, history) in triples.iter_mut().zip(histories) {
-        for (to, from) in triple.iter_mut().zip(history.as_slice()) {
-            *to = from.0[0];
+    let mut history = T::History::<W>::from_fn(|_| W::constant(0.0));
+    let all = history.as_mut_slice();
+    for first in (0..all.len()).step_by(GROUP) {
+        let group = &mut all[first..];
+        let mut triples = [[0.0; GROUP]; WIDE];
+        for (triple, history) in triples.iter_mut().zip(histories) {
+            for (to, from) in triple.iter_mut().zip(&history.as_slice()[first..]) {
+                *to = from.0[0];
+            }
+        }
+        for (to, from) in group.iter_mut().zip(W::of_triples(&triples)) {
+            *to = from;
         }
     }
-    let vectors = W::of_triples(&triples);
-    let mut history = zero;
-    history
-        .as_mut_slice()
-        .copy_from_slice(&vectors[..zero.as_slice().len()]);
     history
 }
 
@@ -478,13 +503,16 @@ fn remember<W: Lane<Row = F64x8, Scalar = f64>, T: TangentialLaw>(
     touching: W::Mask,
     histories: &mut [T::History<F64x1>; WIDE],
 ) {
-    let mut vectors = [W::constant(0.0); 3];
-    for (to, from) in vectors.iter_mut().zip(history.as_slice()) {
-        *to = from.keep(touching);
-    }
-    for (history, triple) in histories.iter_mut().zip(W::triples(vectors)) {
-        for (to, from) in history.as_mut_slice().iter_mut().zip(triple) {
-            *to = F64x1([from]);
+    let all = history.as_slice();
+    for first in (0..all.len()).step_by(GROUP) {
+        let mut vectors = [W::constant(0.0); GROUP];
+        for (to, from) in vectors.iter_mut().zip(&all[first..]) {
+            *to = from.keep(touching);
+        }
+        for (history, triple) in histories.iter_mut().zip(W::triples(vectors)) {
+            for (to, from) in history.as_mut_slice()[first..].iter_mut().zip(triple) {
+                *to = F64x1([from]);
+            }
         }
     }
 }

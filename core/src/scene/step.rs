@@ -104,6 +104,7 @@ pub(super) fn step<R: Replicas<Work = Loads<R>>, P: Physics>(scene: &mut Scene<R
         wall_candidates,
         live,
         histories,
+        slices,
         ..
     } = contacts;
     let (fixed, motions) = grains.parts();
@@ -125,6 +126,7 @@ pub(super) fn step<R: Replicas<Work = Loads<R>>, P: Physics>(scene: &mut Scene<R
             candidates,
             live,
             histories,
+            slices,
         };
         let with = (pairs, &mut work.across[..]);
         blocks::each(blocks, with, &|block, (pairs, across)| {
@@ -145,6 +147,7 @@ pub(super) fn step<R: Replicas<Work = Loads<R>>, P: Physics>(scene: &mut Scene<R
         candidates,
         live,
         histories,
+        slices,
     };
     let across = &work.across;
     let with = ((pairs, &mut work.left[..]), (motions, sums));
@@ -206,6 +209,7 @@ struct Pairs<'a, R: Row, P: Physics> {
     candidates: &'a [Candidate<R::Scalar>],
     live: &'a mut [bool],
     histories: &'a mut [<P::Tangential as TangentialLaw>::History<R>],
+    slices: &'a mut [<P::Tangential as TangentialLaw>::Slices<R>],
 }
 
 impl<R: Row, P: Physics> Divide for Pairs<'_, R, P> {
@@ -213,15 +217,18 @@ impl<R: Row, P: Physics> Divide for Pairs<'_, R, P> {
         let (candidates, other_candidates) = self.candidates.split_at(counts.candidates);
         let (live, other_live) = self.live.split_at_mut(counts.candidates);
         let (histories, other_histories) = self.histories.split_at_mut(counts.candidates);
+        let (slices, other_slices) = self.slices.split_at_mut(counts.candidates);
         let own = Self {
             candidates,
             live,
             histories,
+            slices,
         };
         let other = Self {
             candidates: other_candidates,
             live: other_live,
             histories: other_histories,
+            slices: other_slices,
         };
         (own, other)
     }
@@ -475,7 +482,8 @@ fn act<L: Lane, P: Physics>(
         radius: radius_j,
         inverse_mass: inverse_mass_j,
     };
-    let action = interact::<L, P>(constants, &geometry, &partner_i, &partner_j, &mut history);
+    let memory = (&mut history, &mut pairs.slices[touch.candidate]);
+    let action = interact::<L, P>(constants, &geometry, &partner_i, &partner_j, memory);
     for (row, lanes) in rows.iter_mut().zip(history.as_slice()) {
         lanes.keep(touch.touching).store(row);
     }

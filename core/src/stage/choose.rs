@@ -5,6 +5,8 @@ use crate::beam::{self, bend, grow, jam};
 use crate::contact::TangentialLaw;
 use crate::contact::frictionless::Frictionless;
 use crate::contact::hooke::Hooke;
+use crate::contact::mindlin_rescale::MindlinRescale;
+use crate::contact::mindlin_sliced::MindlinSliced;
 use crate::crew::helped;
 use crate::force::{AffineDrag, BodyForce};
 use crate::identity::StageId;
@@ -12,7 +14,7 @@ use crate::lanes::{F32x8, F32x16, F64x1, F64x8, VectorWidth};
 use crate::material::Units;
 use crate::memory::pack;
 use crate::memory::recall::{self, Recalls, Start};
-use crate::memory::spec::{Precision, RecallSpec, ShapeName, TrainSpec};
+use crate::memory::spec::{ForceLaw, Precision, RecallSpec, ShapeName, TrainSpec};
 use crate::memory::state::{PackState, Past};
 use crate::memory::train::{self, Chosen};
 use crate::observable::critical_time_step::Across;
@@ -234,19 +236,52 @@ fn lawful<S: Shape>(
     }
     let pack = &past.pack;
     let units = Units::new(pack.radius, pack.density, pack.youngs_modulus);
-    let stiffness = units.stiffness_from_si(train.tangential_stiffness);
-    let damping = train.tangential_damping_ratio * pack.normal_damping * stiffness;
-    let law = Hooke {
-        stiffness,
-        damping,
-        friction_coefficient: train.friction_coefficient,
+    let per_stiffness = train.tangential_damping_ratio * pack.normal_damping;
+    let friction_coefficient = train.friction_coefficient;
+    if train.force_law == ForceLaw::H {
+        let stiffness = units.stiffness_from_si(train.tangential_stiffness);
+        let law = Hooke {
+            stiffness,
+            damping: per_stiffness * stiffness,
+            friction_coefficient,
+        };
+        let across = Across {
+            stiffness,
+            damping: law.damping,
+            ..Across::default()
+        };
+        return dragged::<S, Hooke>(job, train, (law, across, width), progress);
+    }
+    let stiffness = units.stiffness_per_root_from_si(train.tangential_stiffness);
+    let damping = per_stiffness * stiffness;
+    let across = Across {
+        stiffness_per_root: stiffness,
+        damping_per_root: damping,
+        ..Across::default()
     };
-    dragged::<S, Hooke>(
-        job,
-        train,
-        (law, Across { stiffness, damping }, width),
-        progress,
-    )
+    match train.force_law {
+        ForceLaw::H | ForceLaw::M1 => {
+            let law = MindlinRescale {
+                stiffness,
+                damping,
+                friction_coefficient,
+            };
+            dragged::<S, MindlinRescale>(job, train, (law, across, width), progress)
+        }
+        ForceLaw::M2 => {
+            let slices = train
+                .slices
+                .ok_or_else(|| input("law M2 needs slices, and the training names none"))?;
+            let law = MindlinSliced {
+                stiffness,
+                damping,
+                friction_coefficient,
+                slices: slices.number,
+                largest_overlap: slices.largest_overlap,
+            };
+            dragged::<S, MindlinSliced>(job, train, (law, across, width), progress)
+        }
+    }
 }
 
 fn dragged<S: Shape, T: TangentialLaw>(
@@ -265,6 +300,7 @@ fn dragged<S: Shape, T: TangentialLaw>(
             &Chosen {
                 tangential,
                 across,
+                slices: train.slices,
                 body_force: (),
                 width,
             },
@@ -276,6 +312,7 @@ fn dragged<S: Shape, T: TangentialLaw>(
             &Chosen {
                 tangential,
                 across,
+                slices: train.slices,
                 body_force: AffineDrag { rate },
                 width,
             },

@@ -3,7 +3,9 @@
 use serde::{Deserialize, Serialize};
 
 use super::{StageKind, StageSpec};
-use crate::memory::spec::{EncodeSpec, PackSpec, Precision, RecallSpec, ShapeName};
+use crate::memory::spec::{
+    EncodeSpec, ForceLaw, PackSpec, Precision, RecallSpec, ShapeName, TrainSpec,
+};
 use crate::memory::{hold_steps, ramp_steps};
 use crate::scene::FARTHEST_SKIN;
 
@@ -49,7 +51,10 @@ impl StageSpec {
     pub fn work(&self, before: &[Self]) -> Work {
         let steps = self.steps(before);
         let (grains, bytes) = match before.first().unwrap_or(self) {
-            Self::Pack(pack) => (u64::from(pack.grains), self.bytes(pack)),
+            Self::Pack(pack) => {
+                let bytes = self.bytes(pack, self.training(before));
+                (u64::from(pack.grains), bytes)
+            }
             Self::Grow(grow) => (grow.predicted_bodies(), grow.predicted_bytes()),
             _ => (0, 0),
         };
@@ -64,7 +69,15 @@ impl StageSpec {
         }
     }
 
-    /// Stages of one class run at one speed: kind, shape or experiment, and precision.
+    /// The training that the stage is, or comes after.
+    fn training<'a>(&'a self, before: &'a [Self]) -> Option<&'a TrainSpec> {
+        before.iter().chain([self]).find_map(|stage| match stage {
+            Self::Train(train) => Some(train),
+            _ => None,
+        })
+    }
+
+    /// Stages of one class run at one speed: kind, shape or experiment, precision, and the law where it is not H.
     #[must_use]
     pub fn class(&self, before: &[Self]) -> String {
         let shape = match before.first().unwrap_or(self) {
@@ -86,11 +99,16 @@ impl StageSpec {
             StageKind::Encode => StageKind::Recall,
             kind => kind,
         };
-        format!("{}/{shape}/{precision}", kind.name())
+        let law = match self.training(before).map(|train| train.force_law) {
+            None | Some(ForceLaw::H) => "",
+            Some(ForceLaw::M1) => "/M1",
+            Some(ForceLaw::M2) => "/M2",
+        };
+        format!("{}/{shape}/{precision}{law}", kind.name())
     }
 
     /// Memory of an ensemble of the memory experiment in `pack` \[bytes\], not to be exceeded (`core/tests/random_specs.rs`).
-    fn bytes(&self, pack: &PackSpec) -> u64 {
+    fn bytes(&self, pack: &PackSpec, train: Option<&TrainSpec>) -> u64 {
         let (scalar, lanes, skin) = match self {
             Self::Recall(RecallSpec {
                 precision, skin, ..
@@ -104,15 +122,27 @@ impl StageSpec {
             Self::Train(spec) => (8, 1, spec.skin.max(FARTHEST_SKIN)),
             _ => (8, 1, FARTHEST_SKIN),
         };
-        // The list and the one before it: reference, grains, a flag and a spring; and the keys that searches find, in room that
-        // grows by doubling.
-        let candidate = 2 * (4 * scalar + 13 + 3 * scalar * lanes) + 40;
+        let (components, slices) = match train.map(|train| (train.force_law, train.slices)) {
+            None | Some((ForceLaw::H, _)) => (3, 0),
+            Some((ForceLaw::M1, _)) => (4, 0),
+            Some((ForceLaw::M2, slices)) => {
+                // Room for a stack is asked for in eights.
+                let number = slices.map_or(0, |slices| u64::from(slices.number));
+                (11, number.next_multiple_of(8))
+            }
+        };
+        // The list and the one before it: reference, grains, a flag, a spring and where slices are; and the keys that searches
+        // find, in room that grows by doubling.
+        let stacks = if slices > 0 { 24 } else { 0 };
+        let candidate = 2 * (4 * scalar + 13 + components * scalar * lanes + stacks) + 40;
+        // Slices of all that touch, and of a checkpoint, which keeps them in words and in bytes.
+        let touching = candidates(pack, 0.0) as u64 * slices * 2 * (scalar * lanes + 24 * lanes);
         // State and sums, what they were before; a checkpoint; what is the same for all lanes.
         let grain = lanes * (40 * scalar + 700) + 1_500;
         // A copy of a trained pack is struck and listened to.
         let scenes = if matches!(self, Self::Train(_)) { 2 } else { 1 };
         let candidates = scenes * candidates(pack, skin) as u64;
-        BESIDES + u64::from(pack.grains) * (candidates * candidate + grain)
+        BESIDES + u64::from(pack.grains) * (candidates * candidate + scenes * touching + grain)
     }
 }
 

@@ -14,7 +14,12 @@ const SAMPLES: i64 = 101;
 /// Grain-steps per second of one core, summed over lanes, before anything was measured here:
 /// below what the engine reached where it was written (docs/speed.md).
 fn default_speed(class: &str) -> f64 {
-    match class.split('/').collect::<Vec<_>>()[..] {
+    let (class, share) = match class.rsplit_once('/') {
+        Some((class, "M1")) => (class, 0.9),
+        Some((class, "M2")) => (class, 0.5),
+        _ => (class, 1.0),
+    };
+    let speed = match class.split('/').collect::<Vec<_>>()[..] {
         ["recall", "sphere", "f32"] => 1e8,
         ["recall", "sphere", _] => 4e7,
         ["recall", _, "f32"] => 2e7,
@@ -23,7 +28,8 @@ fn default_speed(class: &str) -> f64 {
         // 2.1 ms a step for 17,000 grains and vertices.
         [_, "beam", ..] => 17e3 / 2.1e-3,
         _ => 4e6,
-    }
+    };
+    share * speed
 }
 
 /// Remembers the speed of one finished job.

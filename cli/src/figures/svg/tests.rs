@@ -78,7 +78,7 @@ fn marks_errors_and_verticals_are_drawn() {
 #[test]
 fn notes_of_near_dots_stand_apart() {
     let mut chart = chart();
-    let place = chart.curves[0].dots[0].clone();
+    let place = chart.curves[0].dots[0];
     for text in ["ramp 6000, drag 0.01", "preset draft", "as written"] {
         chart.notes.push(Note {
             x: place.x,

@@ -29,7 +29,7 @@ fn contact(sliding_velocity: [f64; 3], normal_force: f64) -> Contact<F64x1> {
 }
 
 fn force(law: Mindlin, contact: &Contact<F64x1>, history: &mut [F64x1; 3]) -> [f64; 3] {
-    Mindlin::force(&law.constants(), contact, history).lane(0)
+    Mindlin::force(&law.constants(), contact, history, &mut ()).lane(0)
 }
 
 #[test]
@@ -120,7 +120,7 @@ fn contact_at_rest_does_not_pull_whatever_its_neighbors_in_the_vector_do() {
         dither: F64x8([0.0; 8]),
     };
     let mut history = [zero; 3];
-    let pull = Mindlin::force(&law.constants(), &contact, &mut history);
+    let pull = Mindlin::force(&law.constants(), &contact, &mut history, &mut ());
     for lane in [0, 3, 7] {
         assert!(pull.lane(lane).iter().all(|f| f.abs() < f64::MIN_POSITIVE));
         assert!(

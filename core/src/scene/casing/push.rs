@@ -116,7 +116,7 @@ pub(super) fn forces<W: Lane<Row = F64x8, Scalar = f64>>(
         dither: W::constant(0.0),
     };
     let mut history = [s_x, s_y, s_z];
-    let tangential = Mindlin::force(constants, &contact, &mut history);
+    let tangential = Mindlin::force(constants, &contact, &mut history, &mut ());
     let force = normal.scale_add(normal_force, tangential);
     let torque = lever.cross(force);
     let size = tangential.dot(tangential).sqrt();

@@ -1,5 +1,5 @@
 use granary_core::lanes::VectorWidth;
-use granary_core::memory::spec::Precision;
+use granary_core::memory::spec::{ForceLaw, Precision};
 
 use super::*;
 
@@ -20,6 +20,7 @@ fn input(kind: &str) -> Input {
     let settings = Settings {
         lanes: 1,
         precision: Precision::F64,
+        force_law: ForceLaw::H,
         time_step: 0.1,
         skin: 0.05,
         width: VectorWidth::PORTABLE,
