@@ -1,6 +1,7 @@
-//! `granary figures`: the figures and tables of the beam paper, computed here.
+//! `granary figures`: the figures and tables of the beam paper, and those of a single contact of the memory paper, computed here.
 
 mod catalog;
+mod contact;
 mod data;
 pub(crate) mod drawing;
 pub(crate) mod svg;
@@ -20,6 +21,7 @@ use granary_core::model::Model;
 use granary_server::Config;
 
 use catalog::{ALL, Figure, Shown};
+use contact::CONTACTS;
 use data::Data;
 use drawing::Drawing;
 
@@ -31,7 +33,7 @@ use crate::spec_file::SpecFile;
 use crate::table::Table;
 use crate::{log, output, run};
 
-/// List the figures of the beam paper, print the sweep of one, or compute and draw it.
+/// List the figures that are there, print the sweep of one, or compute and draw it.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// Which one; all are listed without.
@@ -80,7 +82,24 @@ pub(crate) async fn run(args: Args) -> anyhow::Result<Done> {
     let Some(name) = &args.name else {
         return list(&args).await;
     };
-    let names = || ALL.iter().map(|figure| figure.name).collect::<Vec<_>>();
+    if let Some(figure) = CONTACTS.iter().find(|figure| figure.name == name) {
+        anyhow::ensure!(
+            !args.spec && args.sweep.is_none(),
+            "`{name}` is drawn without a sweep"
+        );
+        let files = pictures(
+            figure.name,
+            &format!("{}: {}", figure.name, figure.shows),
+            &(figure.draw)(),
+        );
+        save(&args.out, files)?;
+        return Ok(Done::Complete);
+    }
+    let names = || {
+        let contacts = CONTACTS.iter().map(|figure| figure.name);
+        let all = ALL.iter().map(|figure| figure.name).chain(contacts);
+        all.collect::<Vec<_>>()
+    };
     let figure = Figure::named(name)
         .with_context(|| format!("`{name}` is not one of {}", names().join(", ")))?;
     if args.spec {
@@ -114,6 +133,15 @@ async fn list(args: &Args) -> anyhow::Result<Done> {
                 Shown::Table => "CSV",
             }
             .to_owned(),
+            figure.shows.to_owned(),
+        ]);
+    }
+    for figure in CONTACTS {
+        table.push(vec![
+            figure.name.to_owned(),
+            "–".to_owned(),
+            "–".to_owned(),
+            "SVG, CSV".to_owned(),
             figure.shows.to_owned(),
         ]);
     }
@@ -191,19 +219,16 @@ async fn write(
     let sweep: Sweep = client.sweep(sweep).await?;
     let data = Data::read(client, sweep.sweep, figure).await?;
     let files = match figure.shown {
-        Shown::Picture(draw) => pictures(figure, &draw(&data), &sweep.preset),
+        Shown::Picture(draw) => {
+            let title = format!("{}: {}; preset {}", figure.name, figure.shows, sweep.preset);
+            pictures(figure.name, &title, &draw(&data))
+        }
         Shown::Table => {
             output::bytes(tables::fits(&data).render().as_bytes())?;
             vec![(format!("{}.csv", figure.name), tables::fits_csv(&data))]
         }
     };
-    std::fs::create_dir_all(out)
-        .with_context(|| format!("cannot make the directory {}", out.display()))?;
-    for (name, text) in files {
-        let path = out.join(name);
-        std::fs::write(&path, text).with_context(|| format!("cannot write {}", path.display()))?;
-        output::line(&path.display().to_string())?;
-    }
+    save(out, files)?;
     let points = sweep.points;
     if points.done == points.total {
         return Ok(Done::Complete);
@@ -215,13 +240,21 @@ async fn write(
     Ok(Done::Incomplete)
 }
 
+/// Writes files and says where.
+fn save(out: &Path, files: Vec<(String, String)>) -> anyhow::Result<()> {
+    std::fs::create_dir_all(out)
+        .with_context(|| format!("cannot make the directory {}", out.display()))?;
+    for (name, text) in files {
+        let path = out.join(name);
+        std::fs::write(&path, text).with_context(|| format!("cannot write {}", path.display()))?;
+        output::line(&path.display().to_string())?;
+    }
+    Ok(())
+}
+
 /// The picture, and a file of numbers for each panel that has any.
-fn pictures(figure: &Figure, drawing: &Drawing, preset: &str) -> Vec<(String, String)> {
-    let title = format!("{}: {}; preset {preset}", figure.name, figure.shows);
-    let mut files = vec![(
-        format!("{}.svg", figure.name),
-        svg::picture(drawing, &title),
-    )];
+fn pictures(figure: &str, title: &str, drawing: &Drawing) -> Vec<(String, String)> {
+    let mut files = vec![(format!("{figure}.svg"), svg::picture(drawing, title))];
     for (k, panel) in drawing.panels.iter().enumerate() {
         if panel.is_empty() {
             eprintln!("panel {} has no number yet", k + 1);
@@ -229,7 +262,7 @@ fn pictures(figure: &Figure, drawing: &Drawing, preset: &str) -> Vec<(String, St
         }
         for (what, text) in panel.csv() {
             let letter = char::from(b'a' + k as u8);
-            files.push((format!("{}-{letter}{what}.csv", figure.name), text));
+            files.push((format!("{figure}-{letter}{what}.csv"), text));
         }
     }
     files

@@ -4,8 +4,9 @@ use granary_api::table::{PointRow, SetRow};
 use granary_server::sweep::{Limits, Plan};
 use serde_json::{Value, json};
 
+use super::contact::CONTACTS;
 use super::data::{History, Structure};
-use super::drawing::{Panel, Style};
+use super::drawing::{Chart, Panel, Style};
 use super::*;
 
 fn plan(figure: &Figure, preset: &str, packings: u64) -> Plan {
@@ -354,7 +355,46 @@ fn dump_with_a_broken_line_is_refused_with_the_line() {
 fn figure_without_data_has_no_numbers_and_says_so() {
     let drawing = drawn("fig8", &Data::default());
     assert!(drawing.panels.iter().all(Panel::is_empty));
-    let named = pictures(Figure::named("fig8").expect("one"), &drawing, "draft");
+    let named = pictures("fig8", "fig8: E_b and Y_b over μ_p", &drawing);
     assert_eq!(named.len(), 1);
     assert!(named[0].1.contains("<title>fig8: E_b and Y_b over μ_p"));
+}
+
+#[test]
+fn figures_of_one_contact_are_drawn_without_a_sweep() {
+    let drawn = |name: &str| {
+        let figure = CONTACTS.iter().find(|figure| figure.name == name);
+        (figure.expect("a figure").draw)()
+    };
+    let charts = |drawing: &Drawing| -> Vec<Chart> {
+        let charts = drawing.panels.iter().map(|panel| match panel {
+            Panel::Chart(chart) => chart.clone(),
+            other => panic!("{other:?}"),
+        });
+        charts.collect()
+    };
+    let last_but_end = |chart: &Chart, label: &str| {
+        let curve = chart.curves.iter().find(|curve| curve.label == label);
+        let dots = &curve.expect("a curve").dots;
+        // At the largest overlap, before the contact parts.
+        let deepest = dots.iter().rfind(|dot| dot.x >= 1.0).expect("pressed to 1");
+        deepest.y
+    };
+    // 0.8 k_M √½ + 0.2 k_M, and k_H.
+    let full = 0.8 * 0.5f64.sqrt() + 0.2;
+    let laws = charts(&drawn("memory-10"));
+    for (label, force) in [("M1", full), ("M2", full), ("H", 0.6)] {
+        let found = last_but_end(&laws[1], label);
+        assert!((found - force).abs() < 1e-12, "{label}: {found}");
+    }
+    // As printed: sheared at p = ½, where the outermost slice counts as a whole once the overlap has grown beyond it, less the
+    // half of the first; then at 1 by the printed weight, x_p − ½.
+    let width = 1.5f64.sqrt() / 99.0;
+    let [at_half, at_one] = [0.5f64, 1.0].map(|overlap| overlap.sqrt() / width);
+    let expected = width * (0.8 * (at_half.floor() + 0.5) + 0.2 * (at_one - 0.5));
+    let slices = charts(&drawn("memory-15"));
+    let printed = last_but_end(&slices[0], "Q = 100");
+    assert!((printed - expected).abs() < 1e-12, "{printed} {expected}");
+    let ours = last_but_end(&slices[1], "Q = 100");
+    assert!((ours - full).abs() < 1e-12, "{ours}");
 }
