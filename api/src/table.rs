@@ -112,6 +112,20 @@ pub struct SetRow {
     /// What a reader of the numbers should know: that signals are noisy.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub warning: Option<String>,
+    /// Words that a classifier took for others, those that most trainings confuse first.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub confused: Vec<Confused>,
+}
+
+/// A word that was taken for another.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+pub struct Confused {
+    /// The word that was stored.
+    pub word: u32,
+    /// The word that the recalled signal was taken for.
+    pub taken_for: u32,
+    /// By how many trainings of the classifier.
+    pub trainings: u32,
 }
 
 impl SetRow {

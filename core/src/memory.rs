@@ -2,6 +2,7 @@
 //!
 //! Source: E. Dwight, D. Candela, *Mechanical waveform memory in an athermal random medium*, arXiv:2603.14595 ("the paper").
 
+pub mod classifier;
 pub mod cycle;
 pub mod gas;
 pub(crate) mod pack;

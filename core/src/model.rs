@@ -46,9 +46,11 @@ impl Model {
     #[must_use]
     pub fn of(kind: StageKind) -> Self {
         match kind {
-            StageKind::Pack | StageKind::Train | StageKind::Encode | StageKind::Recall => {
-                Self::Memory
-            }
+            StageKind::Pack
+            | StageKind::Train
+            | StageKind::Encode
+            | StageKind::Recall
+            | StageKind::Classifier => Self::Memory,
             StageKind::Grow | StageKind::Jam | StageKind::Bend => Self::Beam,
         }
     }

@@ -13,6 +13,9 @@ pub const MEMORY: u32 = 8;
 /// Of recalls.
 pub const RECALL: u32 = 9;
 
+/// Of classifiers of binary words, which no engine has a part in.
+pub const CLASSIFIER: u32 = 1;
+
 /// Of the bending beam.
 pub const BEAM: u32 = 6;
 

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use crate::beam::spec::{BendSpec, GrowSpec, JamSpec};
 use crate::identity::{StageId, canonical_json};
 use crate::lanes::VectorWidth;
+use crate::memory::classifier::ClassifierSpec;
 use crate::memory::spec::{EncodeSpec, PackSpec, Precision, RecallSpec, TrainSpec};
 use crate::memory::waveform::Waveform;
 use crate::physics;
@@ -34,6 +35,8 @@ pub enum StageKind {
     Encode,
     /// One waveform stored in it and recalled.
     Recall,
+    /// A network that tells binary words apart.
+    Classifier,
     /// Grains grown in a mold without friction.
     Grow,
     /// The grains compacted in their membrane.
@@ -44,11 +47,12 @@ pub enum StageKind {
 
 impl StageKind {
     /// Every kind, each after the one that it needs.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::Pack,
         Self::Train,
         Self::Encode,
         Self::Recall,
+        Self::Classifier,
         Self::Grow,
         Self::Jam,
         Self::Bend,
@@ -60,6 +64,7 @@ impl StageKind {
         match self {
             Self::Pack | Self::Train => physics::MEMORY,
             Self::Encode | Self::Recall => physics::RECALL,
+            Self::Classifier => physics::CLASSIFIER,
             Self::Grow | Self::Jam | Self::Bend => physics::BEAM,
         }
     }
@@ -72,6 +77,7 @@ impl StageKind {
             Self::Train => "train",
             Self::Encode => "encode",
             Self::Recall => "recall",
+            Self::Classifier => "classifier",
             Self::Grow => "grow",
             Self::Jam => "jam",
             Self::Bend => "bend",
@@ -91,6 +97,8 @@ pub enum StageSpec {
     Encode(EncodeSpec),
     /// See [`RecallSpec`].
     Recall(RecallSpec),
+    /// See [`ClassifierSpec`].
+    Classifier(ClassifierSpec),
     /// See [`GrowSpec`].
     Grow(GrowSpec),
     /// See [`JamSpec`].
@@ -116,6 +124,7 @@ impl StageSpec {
             Self::Train(_) => StageKind::Train,
             Self::Encode(_) => StageKind::Encode,
             Self::Recall(_) => StageKind::Recall,
+            Self::Classifier(_) => StageKind::Classifier,
             Self::Grow(_) => StageKind::Grow,
             Self::Jam(_) => StageKind::Jam,
             Self::Bend(_) => StageKind::Bend,
@@ -138,7 +147,7 @@ impl StageSpec {
     #[must_use]
     pub fn needs(&self) -> Option<StageId> {
         match self {
-            Self::Pack(_) | Self::Grow(_) => None,
+            Self::Pack(_) | Self::Classifier(_) | Self::Grow(_) => None,
             Self::Train(spec) => Some(spec.pack),
             Self::Encode(spec) => Some(spec.train),
             Self::Recall(spec) => Some(spec.encode.unwrap_or(spec.train)),
@@ -202,7 +211,7 @@ impl StageSpec {
 pub struct Ensemble<'a> {
     /// Specs with equal [`StageSpec::ensemble_key`], at most [`StageSpec::max_lanes`] of them.
     pub specs: &'a [StageSpec],
-    /// The [`STATE`] artifact of the stage that the first needs; empty for `pack`.
+    /// The [`STATE`] artifact of the stage that the first needs; empty if it needs none.
     ///
     /// All need the same, but for recalls that go on from encodings: their states are checkpoints where they have no other.
     pub input: &'a [u8],
@@ -239,6 +248,8 @@ pub fn checkpoint_step(bytes: &[u8]) -> Option<u64> {
         step: u64,
     }
     let of = |version| crate::state_file::read_header::<Step>(version, bytes).ok();
-    let header = of(physics::MEMORY).or_else(|| of(physics::BEAM));
+    let header = of(physics::MEMORY)
+        .or_else(|| of(physics::BEAM))
+        .or_else(|| of(physics::CLASSIFIER));
     header.map(|header| header.step)
 }

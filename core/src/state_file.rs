@@ -186,6 +186,13 @@ impl<'a> Reader<'a> {
         Ok(numbers)
     }
 
+    /// As many numbers in single precision.
+    pub(crate) fn many_singles(&mut self, count: usize) -> Result<Vec<f32>, String> {
+        let words = self.take(4 * count)?.chunks_exact(4);
+        let number = |word: &[u8]| f32::from_le_bytes([word[0], word[1], word[2], word[3]]);
+        Ok(words.map(number).collect())
+    }
+
     /// Poses and their count.
     pub(crate) fn poses(&mut self) -> Result<Vec<Pose>, String> {
         let n = self.word()?;

@@ -8,6 +8,7 @@ use granary_api::table::SetRow;
 use granary_core::memory::score::{Dots, Processing, Score};
 use serde_json::{Map, Value};
 
+pub mod recognition;
 pub mod strength;
 pub mod study;
 
@@ -136,6 +137,7 @@ fn scored(set: Collected, processing: Processing) -> SetRow {
         provisional: set.open,
         missing_reason: reason,
         warning: score.warning(),
+        confused: vec![],
     }
 }
 
@@ -192,7 +194,13 @@ fn groups<'a>(sets: &'a [SetRow], over: &[String]) -> Vec<Group<'a>> {
     let mut places: HashMap<String, usize> = HashMap::new();
     let mut groups: Vec<Group<'_>> = vec![];
     for set in sets {
-        let key = format!("{:?} {}", set.processing, key(&set.parameters, over));
+        // Scores and recognitions of one processing stand side by side.
+        let recognized = set.results.contains_key("recognition_accuracy");
+        let key = format!(
+            "{:?} {recognized} {}",
+            set.processing,
+            key(&set.parameters, over)
+        );
         let place = *places.entry(key).or_insert_with(|| {
             groups.push((without(&set.parameters, over), vec![]));
             groups.len() - 1
@@ -242,6 +250,7 @@ fn mean(parameters: Map<String, Value>, members: &[&SetRow]) -> SetRow {
         provisional,
         missing_reason: mean_reason(members, &counted, provisional, gaps),
         warning: warning_of(&counted),
+        confused: vec![],
         results,
     }
 }

@@ -22,6 +22,7 @@ mod measured;
 mod pace;
 mod pilot;
 mod point;
+mod recognition;
 mod schema;
 mod set;
 mod speed;
@@ -60,6 +61,7 @@ struct Inner {
     lock: lock::DataLock,
     pace: pace::Pace,
     dots: set::DotsCache,
+    answers: recognition::Answers,
     /// Tells this process's count of changes from an earlier one's.
     opened: i64,
 }
@@ -94,6 +96,7 @@ impl Store {
             lock,
             pace: pace::Pace::default(),
             dots: set::DotsCache::default(),
+            answers: recognition::Answers::default(),
             opened: now_ms(),
         };
         Ok(Self {

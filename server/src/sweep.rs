@@ -7,6 +7,7 @@ pub mod accuracy;
 mod axis;
 pub mod expansion;
 mod mistakes;
+mod recognition;
 pub mod reduction;
 mod rules;
 mod section;
@@ -16,6 +17,7 @@ mod suite;
 use std::collections::BTreeMap;
 
 use granary_api::problem::Mistake;
+use granary_core::memory::classifier::ClassifierSpec;
 use granary_core::model::Model;
 use granary_core::parameter::shown;
 use granary_core::stage::StageKind;
@@ -123,7 +125,15 @@ impl Plan {
         let fixed = sections.fixed.clone();
         let axes = values_by_axis(table.get("grid"), &grids);
         let mut reductions = match table.get("reduce") {
-            Some(value) => reduction::read(value, model, &axes, &fixed, &mut mistakes),
+            Some(value) => {
+                let about = reduction::About {
+                    model,
+                    axes: &axes,
+                    grids: &grids,
+                    fixed: &fixed,
+                };
+                reduction::read(value, &about, &mut mistakes)
+            }
             None if study.is_some() => reduction::before_study(model),
             None => reduction::usual(model, &axes),
         };
@@ -186,10 +196,20 @@ impl Plan {
         self.reductions.iter().any(Reduction::needs_zero)
     }
 
+    /// The classifiers that its reductions ask.
+    #[must_use]
+    pub fn classifiers(&self) -> Vec<ClassifierSpec> {
+        let all = self.reductions.iter().flat_map(Reduction::classifiers);
+        all.cloned().collect()
+    }
+
     /// What makes two sweeps the same: everything but the priority, after defaults, and the physics that computes it.
     #[must_use]
     pub fn identity(&self) -> [u8; 32] {
-        let of_model = |kind: &StageKind| Model::of(*kind) == self.model;
+        let asks = !self.classifiers().is_empty();
+        let of_model = |kind: &StageKind| {
+            Model::of(*kind) == self.model && (asks || *kind != StageKind::Classifier)
+        };
         let kinds = StageKind::ALL.into_iter().filter(of_model);
         self.identity_with(&kinds.map(StageKind::physics).collect::<Vec<u32>>())
     }

@@ -111,6 +111,7 @@ mod tests {
             provisional: false,
             missing_reason: None,
             warning: None,
+            confused: vec![],
         }
     }
 

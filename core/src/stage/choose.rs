@@ -12,6 +12,7 @@ use crate::force::{AffineDrag, BodyForce};
 use crate::identity::StageId;
 use crate::lanes::{F32x8, F32x16, F64x1, F64x8, VectorWidth};
 use crate::material::Units;
+use crate::memory::classifier::training;
 use crate::memory::pack;
 use crate::memory::recall::{self, Recalls, Start};
 use crate::memory::spec::{ForceLaw, Precision, RecallSpec, ShapeName, TrainSpec};
@@ -72,6 +73,10 @@ pub(super) fn run(ensemble: &Ensemble<'_>, width: VectorWidth, watch: Watch<'_>)
             };
             let trained = || shaped(&job, &state.past, spec, width, &mut progress);
             helped(grains(&state.past), trained)
+        }
+        StageSpec::Classifier(spec) => {
+            let trained = || training::run(spec, &stage, checkpoint, &mut progress);
+            Ok(vec![helped(training::ROWS, trained)])
         }
         StageSpec::Encode(_) | StageSpec::Recall(_) => recalled(ensemble, width, &mut progress),
         StageSpec::Grow(_) | StageSpec::Jam(_) | StageSpec::Bend(_) => {

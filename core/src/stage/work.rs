@@ -15,7 +15,7 @@ const BESIDES: u64 = 2 << 20;
 /// The size of a stage's work.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Work {
-    /// Grains times steps; the vertices of a membrane count as grains.
+    /// Grains times steps; the vertices of a membrane count as grains, and so do the neurons of a classifier.
     pub grain_steps: u64,
     /// Time steps.
     pub steps: u64,
@@ -37,6 +37,7 @@ impl StageSpec {
                 all - spec.steps_before()
             }
             (Self::Encode(spec), _) => spec.steps(),
+            (Self::Classifier(spec), _) => spec.steps(),
             (Self::Grow(spec), _) => spec.predicted_steps(),
             (Self::Jam(spec), [Self::Grow(grow), ..]) => spec.predicted_steps(grow),
             (Self::Bend(spec), [Self::Grow(grow), Self::Jam(jam), ..]) => {
@@ -56,6 +57,7 @@ impl StageSpec {
                 (u64::from(pack.grains), bytes)
             }
             Self::Grow(grow) => (grow.predicted_bodies(), grow.predicted_bytes()),
+            Self::Classifier(spec) => (spec.neurons(), spec.bytes()),
             _ => (0, 0),
         };
         let kept = match (self, before) {
@@ -81,6 +83,7 @@ impl StageSpec {
     #[must_use]
     pub fn class(&self, before: &[Self]) -> String {
         let shape = match before.first().unwrap_or(self) {
+            Self::Classifier(_) => return "classifier".to_owned(),
             Self::Pack(pack) if pack.shape == ShapeName::Sphere => "sphere",
             Self::Pack(_) => "tetrahedron",
             _ => "beam",

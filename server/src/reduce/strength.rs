@@ -50,6 +50,7 @@ fn fitted(parameters: Map<String, Value>, members: &[&SetRow]) -> SetRow {
         provisional,
         missing_reason: reason(&fit, &dropped, members.len(), provisional),
         warning: None,
+        confused: vec![],
     }
 }
 
@@ -198,6 +199,7 @@ mod tests {
                 .is_none()
                 .then(|| "ultimate_strength: not_prominent".to_owned()),
             warning: None,
+            confused: vec![],
         }
     }
 

@@ -151,6 +151,7 @@ impl<F: Fn(&SetRow) -> Cost> Compared<'_, F> {
                 .chain(&self.reference)
                 .any(|row| row.provisional),
             missing_reason: self.reason(),
+            confused: vec![],
             warning: super::warning_of(&self.own),
         }
     }

@@ -3,6 +3,7 @@
 use axum::Json;
 use granary_api::model::{Model, Preset};
 use granary_api::table::Page;
+use granary_core::memory::classifier::settings::{PRESETS, SETTINGS, defaults};
 use granary_core::model;
 use granary_core::study::COSTS;
 use serde_json::{Map, Value, json};
@@ -86,6 +87,7 @@ fn reductions(model: model::Model) -> Vec<Value> {
     match model {
         model::Model::Memory => vec![
             json!({"kind": "gain_fidelity", "over": ["waveform"], "processing": ["SUB0", "SUB2", "SUB2-BL"]}),
+            recognition(),
             means,
         ],
         model::Model::Beam => vec![
@@ -93,6 +95,24 @@ fn reductions(model: model::Model) -> Vec<Value> {
             json!({"kind": "ultimate_strength_fit", "over": ["friction_coefficient"]}),
         ],
     }
+}
+
+/// The reduction that asks classifiers, with their presets and the schema of their settings.
+fn recognition() -> Value {
+    let settings = SETTINGS.iter();
+    let properties: Map<String, Value> = settings
+        .map(|row| (row.name.to_owned(), row.schema()))
+        .collect();
+    let presets: Vec<Value> = PRESETS
+        .iter()
+        .map(|preset| {
+            json!({"name": preset.name, "sentence": preset.sentence, "values": defaults(preset.name)})
+        })
+        .collect();
+    json!({
+        "kind": "recognition", "over": ["waveform"], "processing": ["SUB2-BL"], "classifier": "draft", "trainings": 1,
+        "classifiers": {"presets": presets, "settings": {"type": "object", "properties": properties}},
+    })
 }
 
 fn preset(model: model::Model, preset: &granary_core::parameter::Preset) -> Preset {

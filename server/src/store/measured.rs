@@ -52,6 +52,7 @@ fn measured((parameters, state, results): Row) -> Result<SetRow, StoreError> {
             (false, false) => Some(format!("the point is {state}")),
         },
         warning: None,
+        confused: vec![],
     })
 }
 

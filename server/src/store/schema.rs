@@ -5,11 +5,12 @@ use sqlx::{Connection, SqlitePool};
 use super::StoreError;
 
 /// Never edited after release, only added to.
-const MIGRATIONS: [&str; 4] = [
+const MIGRATIONS: [&str; 5] = [
     include_str!("../../../migrations/sqlite/0001_queue_and_results.sql"),
     include_str!("../../../migrations/sqlite/0002_archived_outcomes.sql"),
     include_str!("../../../migrations/sqlite/0003_pilots.sql"),
     include_str!("../../../migrations/sqlite/0004_encodings.sql"),
+    include_str!("../../../migrations/sqlite/0005_classifiers.sql"),
 ];
 
 /// Brings the database to the newest schema; refuses one that is newer still.

@@ -50,7 +50,7 @@ impl DotsCache {
 
 /// A point's recall: number, parameters, job, state, ensemble, signal, spec (of no use, and empty, before there is a
 /// signal), and what stopped it.
-type Row = (
+pub(super) type Row = (
     i64,
     String,
     i64,
@@ -62,11 +62,18 @@ type Row = (
 );
 
 /// The zero recall of an ensemble.
-struct Zero {
-    open: bool,
+pub(super) struct Zero {
+    pub(super) open: bool,
     artifact: Option<ArtifactHash>,
     /// Read when it is first needed.
     signal: Option<Signal>,
+}
+
+impl Zero {
+    /// Whether it was recalled.
+    pub(super) fn is_there(&self) -> bool {
+        self.artifact.is_some()
+    }
 }
 
 impl Store {
@@ -118,18 +125,22 @@ impl Store {
         let mut all: Vec<SetRow> = vec![];
         let mut last: Option<Vec<SetRow>> = None;
         for reduction in &plan.reductions {
-            let sets = match (reduction, last) {
-                (Reduction::GainFidelity { over, processing }, _) => {
-                    self.scores(plan, over, processing).await?
+            let (before, sets) = match (reduction, last.take()) {
+                (Reduction::GainFidelity { over, processing }, before) => {
+                    (before, self.scores(plan, over, processing).await?)
                 }
-                (other, Some(sets)) => self.reduced(plan, &sets, other).await?,
+                (Reduction::Recognition { .. }, before) => {
+                    (before, self.recognitions(plan, reduction).await?)
+                }
+                (other, Some(sets)) => (None, self.reduced(plan, &sets, other).await?),
                 (other, None) => {
                     let points = self.measured(plan).await?;
-                    self.reduced(plan, &points, other).await?
+                    (None, self.reduced(plan, &points, other).await?)
                 }
             };
             all.extend(sets.iter().cloned());
-            last = Some(sets);
+            // Reductions that see signals stand side by side for what is taken of them.
+            last = Some(before.into_iter().flatten().chain(sets).collect());
         }
         for (number, set) in all.iter_mut().enumerate() {
             set.set = number as u64;
@@ -172,12 +183,6 @@ impl Store {
         over: &[String],
         processing: &[Processing],
     ) -> Result<Vec<SetRow>, StoreError> {
-        const ROWS: &str = "
-            select p.point, p.parameters, j.id, j.state, j.ensemble, o.artifacts ->> 'signal',
-                   case when o.artifacts is not null then j.spec else '' end,
-                   coalesce(j.failure ->> 'kind', j.failure ->> 'message')
-              from point p join job j on j.id = p.job left join outcome o on o.job = j.id
-             where p.sweep = $1 and p.point > $2 order by p.point limit $3";
         let mut zeros = self.zeros(plan).await?;
         let mut scorers: Vec<(Processing, Scorer)> = processing
             .iter()
@@ -185,8 +190,7 @@ impl Store {
             .collect();
         let mut after = -1;
         loop {
-            let rows = sqlx::query_as(ROWS).bind(plan.id).bind(after).bind(CHUNK);
-            let rows: Vec<Row> = rows.fetch_all(self.readers()).await?;
+            let rows = self.signal_rows(plan, after).await?;
             let Some(last) = rows.last() else {
                 return Ok(scorers
                     .into_iter()
@@ -200,6 +204,22 @@ impl Store {
                 }
             }
         }
+    }
+
+    /// Points and their recalls, in order, after this number; none at the end.
+    pub(super) async fn signal_rows(
+        &self,
+        plan: &SweepPlan,
+        after: i64,
+    ) -> Result<Vec<Row>, StoreError> {
+        const ROWS: &str = "
+            select p.point, p.parameters, j.id, j.state, j.ensemble, o.artifacts ->> 'signal',
+                   case when o.artifacts is not null then j.spec else '' end,
+                   coalesce(j.failure ->> 'kind', j.failure ->> 'message')
+              from point p join job j on j.id = p.job left join outcome o on o.job = j.id
+             where p.sweep = $1 and p.point > $2 order by p.point limit $3";
+        let rows = sqlx::query_as(ROWS).bind(plan.id).bind(after).bind(CHUNK);
+        Ok(rows.fetch_all(self.readers()).await?)
     }
 
     /// One point as a score sees it.
@@ -249,15 +269,7 @@ impl Store {
         zero: Option<&mut Zero>,
     ) -> Result<Option<Dots>, StoreError> {
         let processing = key.1;
-        let background = match zero {
-            Some(zero) => {
-                if let (None, Some(artifact)) = (&zero.signal, &zero.artifact) {
-                    zero.signal = Some(self.signal(artifact).await?);
-                }
-                zero.signal.as_ref()
-            }
-            None => None,
-        };
+        let background = self.background(zero).await?;
         let Ok(artifact) = artifact.parse() else {
             return Ok(None);
         };
@@ -275,13 +287,27 @@ impl Store {
         Ok(dots)
     }
 
-    async fn signal(&self, artifact: &ArtifactHash) -> Result<Signal, StoreError> {
+    /// The signal of a zero recall, read when it is first needed.
+    pub(super) async fn background<'a>(
+        &self,
+        zero: Option<&'a mut Zero>,
+    ) -> Result<Option<&'a Signal>, StoreError> {
+        let Some(zero) = zero else {
+            return Ok(None);
+        };
+        if let (None, Some(artifact)) = (&zero.signal, &zero.artifact) {
+            zero.signal = Some(self.signal(artifact).await?);
+        }
+        Ok(zero.signal.as_ref())
+    }
+
+    pub(super) async fn signal(&self, artifact: &ArtifactHash) -> Result<Signal, StoreError> {
         let bytes = self.artifact_get(artifact).await?;
         serde_json::from_slice(&bytes).map_err(StoreError::corrupt("signal"))
     }
 
     /// The zero recalls that a sweep wants, by ensemble.
-    async fn zeros(&self, plan: &SweepPlan) -> Result<HashMap<i64, Zero>, StoreError> {
+    pub(super) async fn zeros(&self, plan: &SweepPlan) -> Result<HashMap<i64, Zero>, StoreError> {
         const ZEROS: &str = "
             select j.ensemble, j.state, o.artifacts ->> 'signal'
               from want w join job j on j.id = w.job join ensemble e on e.id = j.ensemble and e.key = j.hash

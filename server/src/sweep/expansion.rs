@@ -7,6 +7,7 @@
 use std::collections::HashSet;
 
 use granary_core::identity::{StageId, canonical_json};
+use granary_core::memory::classifier::ClassifierSpec;
 use granary_core::model::{Model, ModelPoint};
 use granary_core::stage::{StageKind, StageSpec, Work};
 use serde_json::Value;
@@ -78,6 +79,8 @@ pub struct Expansion<'a> {
     /// Points seen so far, kept only if several grids can name one twice.
     seen: Option<HashSet<[u8; 16]>>,
     warnings: Vec<String>,
+    /// Classifiers that are to be queued yet.
+    classifiers: Vec<ClassifierSpec>,
 }
 
 /// Everything that points share which differ in their leaves only.
@@ -108,6 +111,7 @@ impl<'a> Expansion<'a> {
             current: None,
             seen: (plan.grids.len() > 1).then(HashSet::new),
             warnings: vec![],
+            classifiers: plan.classifiers(),
         }
     }
 
@@ -120,6 +124,16 @@ impl<'a> Expansion<'a> {
     /// The next rows, about `most` of them; none at the end.
     pub fn next_chunk(&mut self, most: usize) -> Option<Chunk> {
         let mut chunk = Chunk::default();
+        for classifier in std::mem::take(&mut self.classifiers) {
+            let spec = StageSpec::Classifier(classifier);
+            let id = spec.id();
+            chunk.ensembles.push(new_ensemble(id, &spec, &[]));
+            chunk.jobs.push(NewJob {
+                id,
+                spec,
+                ensemble: id,
+            });
+        }
         while chunk.jobs.len() < most && self.grid < self.plan.grids.len() {
             self.point(&mut chunk);
             self.advance();

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use granary_core::memory::classifier::ClassifierSpec;
 use granary_core::memory::score::Processing;
 use granary_core::model::Model;
 use granary_core::parameter::shown;
@@ -10,9 +11,10 @@ use serde_json::{Map, Value, json};
 
 use super::mistakes::{Mistakes, nearest, pointer, unknown};
 use super::study::Study;
+use super::{Axis, recognition};
 
 /// One link of a chain of reductions.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum Reduction {
     /// Gain, fidelity and correlation of all points that differ in `over` only; one set per processing.
@@ -21,6 +23,15 @@ pub enum Reduction {
         over: Vec<String>,
         /// Ways to process a signal.
         processing: Vec<Processing>,
+    },
+    /// Which words classifiers take the recalled signals of a set for; one set per processing.
+    Recognition {
+        /// Parameters, the waveform among them.
+        over: Vec<String>,
+        /// Ways to process a signal.
+        processing: Vec<Processing>,
+        /// One for each training.
+        classifiers: Vec<ClassifierSpec>,
     },
     /// Mean and its standard error of the points, or of the sets of the link before.
     MeanSem {
@@ -56,6 +67,7 @@ impl Reduction {
     pub fn name(&self) -> &'static str {
         match self {
             Self::GainFidelity { .. } => "gain_fidelity",
+            Self::Recognition { .. } => "recognition",
             Self::MeanSem { .. } => "mean_sem",
             Self::UltimateStrengthFit { .. } => "ultimate_strength_fit",
             Self::Study { .. } => "study",
@@ -67,23 +79,45 @@ impl Reduction {
     pub fn over(&self) -> &[String] {
         match self {
             Self::GainFidelity { over, .. }
+            | Self::Recognition { over, .. }
             | Self::MeanSem { over }
             | Self::UltimateStrengthFit { over }
             | Self::Study { over, .. } => over,
         }
     }
 
+    /// How signals are processed, of a reduction that sees signals.
+    #[must_use]
+    pub fn processing(&self) -> Option<&[Processing]> {
+        match self {
+            Self::GainFidelity { processing, .. } | Self::Recognition { processing, .. } => {
+                Some(processing)
+            }
+            _ => None,
+        }
+    }
+
     /// Whether the zero waveform must be recalled in every trained pack.
     #[must_use]
     pub fn needs_zero(&self) -> bool {
-        matches!(self, Self::GainFidelity { processing, .. } if processing.iter().any(|p| p.needs_zero()))
+        let processing = self.processing().unwrap_or_default();
+        processing.iter().any(|processing| processing.needs_zero())
+    }
+
+    /// The classifiers that it asks.
+    #[must_use]
+    pub fn classifiers(&self) -> &[ClassifierSpec] {
+        match self {
+            Self::Recognition { classifiers, .. } => classifiers,
+            _ => &[],
+        }
     }
 }
 
 /// The kinds of reductions of a model, those that a chain may begin with first.
 fn kinds(model: Model) -> &'static [Kind] {
     match model {
-        Model::Memory => &[Kind::GainFidelity, Kind::MeanSem],
+        Model::Memory => &[Kind::GainFidelity, Kind::Recognition, Kind::MeanSem],
         Model::Beam => &[Kind::MeanSem, Kind::UltimateStrengthFit],
     }
 }
@@ -92,6 +126,7 @@ fn kinds(model: Model) -> &'static [Kind] {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kind {
     GainFidelity,
+    Recognition,
     MeanSem,
     UltimateStrengthFit,
 }
@@ -100,15 +135,30 @@ impl Kind {
     fn name(self) -> &'static str {
         match self {
             Self::GainFidelity => "gain_fidelity",
+            Self::Recognition => "recognition",
             Self::MeanSem => "mean_sem",
             Self::UltimateStrengthFit => "ultimate_strength_fit",
+        }
+    }
+
+    /// Whether it sees signals, and so comes before what is taken of its numbers.
+    fn sees_signals(self) -> bool {
+        matches!(self, Self::GainFidelity | Self::Recognition)
+    }
+
+    /// Its fields in specs.
+    fn fields(self) -> &'static [&'static str] {
+        match self {
+            Self::GainFidelity => &["kind", "over", "processing"],
+            Self::Recognition => &["kind", "over", "processing", "classifier", "trainings"],
+            Self::MeanSem | Self::UltimateStrengthFit => &["kind", "over"],
         }
     }
 
     /// The parameter that it is taken over where nobody says.
     fn usual_over(self) -> &'static str {
         match self {
-            Self::GainFidelity => "waveform",
+            Self::GainFidelity | Self::Recognition => "waveform",
             Self::MeanSem => "packing_seed",
             Self::UltimateStrengthFit => FRICTION,
         }
@@ -181,14 +231,22 @@ pub(crate) fn study(
     }
 }
 
-/// Reads `[[reduce]]`; `axes` are the values that each axis takes, `fixed` the parameters without one.
-pub(crate) fn read(
-    value: &Value,
-    model: Model,
-    axes: &BTreeMap<&str, Vec<Value>>,
-    fixed: &Map<String, Value>,
-    mistakes: &mut Mistakes,
-) -> Vec<Reduction> {
+/// What reductions are about.
+pub(crate) struct About<'a> {
+    pub(crate) model: Model,
+    /// Some values that each axis takes.
+    pub(crate) axes: &'a BTreeMap<&'a str, Vec<Value>>,
+    /// All of them.
+    pub(crate) grids: &'a [Vec<Axis>],
+    /// The parameters without an axis.
+    pub(crate) fixed: &'a Map<String, Value>,
+}
+
+/// Reads `[[reduce]]`.
+pub(crate) fn read(value: &Value, about: &About<'_>, mistakes: &mut Mistakes) -> Vec<Reduction> {
+    let About {
+        model, axes, fixed, ..
+    } = *about;
     let Some(tables) = value.as_array() else {
         mistakes.add(
             "/reduce",
@@ -206,7 +264,7 @@ pub(crate) fn read(
     let mut chain: Vec<Reduction> = vec![];
     for (k, table) in tables.iter().enumerate() {
         let at = pointer("/reduce", &k.to_string());
-        let Some(link) = link(table, model, &at, mistakes) else {
+        let Some(link) = link(table, about, &at, mistakes) else {
             continue;
         };
         rules(&link, model, &chain, &at, axes, mistakes);
@@ -221,7 +279,8 @@ pub(crate) fn read(
     chain
 }
 
-fn link(value: &Value, model: Model, at: &str, mistakes: &mut Mistakes) -> Option<Reduction> {
+fn link(value: &Value, about: &About<'_>, at: &str, mistakes: &mut Mistakes) -> Option<Reduction> {
+    let model = about.model;
     let Some(table) = value.as_object() else {
         mistakes.add(at, format!("{} is not a table", shown(value)));
         return None;
@@ -235,31 +294,38 @@ fn link(value: &Value, model: Model, at: &str, mistakes: &mut Mistakes) -> Optio
         mistakes.add(&pointer(at, "kind"), unknown("reduction", written, names));
         return None;
     };
-    let scores = kind == Kind::GainFidelity;
-    let allowed = ["kind", "over"]
-        .into_iter()
-        .chain(scores.then_some("processing"));
+    let fields = || kind.fields().iter().copied();
     for key in table
         .keys()
-        .filter(|key| !allowed.clone().any(|name| name == *key))
+        .filter(|key| !fields().any(|name| name == *key))
     {
         mistakes.add(
             &pointer(at, key),
-            unknown("field of this reduction", key, allowed.clone()),
+            unknown("field of this reduction", key, fields()),
         );
     }
     let over = over(table.get("over"), (model, kind), at, mistakes)?;
+    let processing = |usual: Value, mistakes: &mut Mistakes| {
+        let written = table.get("processing").unwrap_or(&usual);
+        processing(written, &pointer(at, "processing"), mistakes)
+    };
     match kind {
-        Kind::GainFidelity => {}
-        Kind::MeanSem => return Some(Reduction::MeanSem { over }),
-        Kind::UltimateStrengthFit => return Some(Reduction::UltimateStrengthFit { over }),
+        Kind::MeanSem => Some(Reduction::MeanSem { over }),
+        Kind::UltimateStrengthFit => Some(Reduction::UltimateStrengthFit { over }),
+        Kind::GainFidelity => {
+            let processing = processing(json!(["SUB0"]), mistakes)?;
+            Some(Reduction::GainFidelity { over, processing })
+        }
+        Kind::Recognition => {
+            let classifiers = recognition::read(table, &over, about, at, mistakes);
+            let processing = processing(json!(["SUB2-BL"]), mistakes)?;
+            Some(Reduction::Recognition {
+                over,
+                processing,
+                classifiers: classifiers?,
+            })
+        }
     }
-    let processing = processing(
-        table.get("processing"),
-        &pointer(at, "processing"),
-        mistakes,
-    )?;
-    Some(Reduction::GainFidelity { over, processing })
 }
 
 fn over(
@@ -269,7 +335,7 @@ fn over(
     mistakes: &mut Mistakes,
 ) -> Option<Vec<String>> {
     let usual = json!([kind.usual_over()]);
-    let scores = kind == Kind::GainFidelity;
+    let scores = kind.sees_signals();
     let names = words(value.unwrap_or(&usual));
     let at = pointer(at, "over");
     let Some(names) = names.filter(|names| !names.is_empty()) else {
@@ -308,9 +374,7 @@ fn over(
     Some(names)
 }
 
-fn processing(value: Option<&Value>, at: &str, mistakes: &mut Mistakes) -> Option<Vec<Processing>> {
-    let usual = json!(["SUB0"]);
-    let value = value.unwrap_or(&usual);
+fn processing(value: &Value, at: &str, mistakes: &mut Mistakes) -> Option<Vec<Processing>> {
     let Some(names) = words(value).filter(|names| !names.is_empty()) else {
         mistakes.add(
             at,
@@ -354,19 +418,32 @@ fn rules(
     axes: &BTreeMap<&str, Vec<Value>>,
     mistakes: &mut Mistakes,
 ) {
-    let scores = matches!(link, Reduction::GainFidelity { .. });
-    if model == Model::Memory && scores != before.is_empty() {
+    let sees_signals = |link: &Reduction| link.processing().is_some();
+    let scores = sees_signals(link);
+    let place_is_right = if scores {
+        before.iter().all(sees_signals)
+    } else {
+        !before.is_empty()
+    };
+    if model == Model::Memory && !place_is_right {
         mistakes.add(
             &pointer(at, "kind"),
-            "a chain starts with gain_fidelity, and mean_sem follows it",
+            "a chain starts with gain_fidelity or recognition, and mean_sem follows them",
         );
+    }
+    if scores && before.iter().any(|other| other.name() == link.name()) {
+        let detail = format!(
+            "{} is there already: name every processing in one",
+            link.name()
+        );
+        mistakes.add(&pointer(at, "kind"), detail);
     }
     if let Reduction::UltimateStrengthFit { over } = link {
         strengths(over, before, at, mistakes);
     }
     for (k, name) in link.over().iter().enumerate() {
         let place = pointer(&pointer(at, "over"), &k.to_string());
-        if before.iter().any(|link| link.over().contains(name)) {
+        if !scores && before.iter().any(|link| link.over().contains(name)) {
             mistakes.add(
                 &place,
                 format!("{name} is gone: an earlier reduction was taken over it"),
@@ -406,7 +483,7 @@ fn second_cycle_is_missing(
     axes: &BTreeMap<&str, Vec<Value>>,
     fixed: &Map<String, Value>,
 ) -> bool {
-    let Reduction::GainFidelity { processing, .. } = link else {
+    let Some(processing) = link.processing() else {
         return false;
     };
     let off = Value::Bool(false);

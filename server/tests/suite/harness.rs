@@ -12,7 +12,7 @@ use granary_core::PHYSICS_VERSION;
 use granary_core::beam::spec::BendSpec;
 use granary_core::memory::score::Signal;
 use granary_core::memory::waveform::{SAMPLES, sample_u};
-use granary_core::stage::{HISTORY, Outcome, SIGNAL, STATE, StageSpec};
+use granary_core::stage::{Ensemble, HISTORY, Outcome, SIGNAL, STATE, StageSpec, run};
 use granary_server::{Config, Store, Submission, app, submit};
 use http_body_util::BodyExt;
 use serde_json::{Value, json};
@@ -209,6 +209,17 @@ pub(crate) const GAIN_E_DELTA0: f64 = 150_000.0;
 pub(crate) fn outcome(spec: &StageSpec) -> Outcome {
     if let StageSpec::Bend(bend) = spec {
         return bent(bend);
+    }
+    if let StageSpec::Classifier(_) = spec {
+        // Real ones, as small as the specs of tests ask for.
+        let ensemble = Ensemble {
+            specs: std::slice::from_ref(spec),
+            input: &[],
+            checkpoints: None,
+        };
+        let trained = run(&ensemble, &mut |_| std::ops::ControlFlow::Continue(()));
+        let trained = trained.into_iter().next().expect("one job");
+        return trained.expect("a classifier");
     }
     let (name, bytes) = match spec {
         StageSpec::Recall(recall) => {

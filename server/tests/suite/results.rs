@@ -110,6 +110,73 @@ async fn half_done_sweep_shows_provisional_sets() {
     );
 }
 
+/// Words of three bits in two packings, and a classifier that is trained in a second.
+fn words(trainings: u64) -> Value {
+    json!({
+        "name": "words", "model": "memory", "fixed": {"grains": 100},
+        "grid": [{"packing_seed": [1, 2], "waveform": {"suite": "binary_words", "bits": 3}}],
+        "reduce": [
+            {"kind": "gain_fidelity", "processing": ["SUB2-BL"]},
+            {"kind": "recognition", "trainings": trainings,
+             "classifier": {"shifts": 3, "amplitudes": 1, "noises": 10, "epochs": 8}},
+            {"kind": "mean_sem"},
+        ],
+    })
+}
+
+#[tokio::test]
+async fn recalled_words_are_recognized_and_their_scores_stand_beside() {
+    let fresh = fresh().await;
+    let sweep = sweep_of(&fresh.submit(&words(2)).await);
+    let rows = |sets: &Value, reduce: &str| -> Vec<Value> {
+        let rows = sets["items"].as_array().expect("rows").iter();
+        rows.filter(|row| row["reduce"] == reduce)
+            .cloned()
+            .collect()
+    };
+    let sets = table(&fresh, sweep, "sets").await;
+    for row in rows(&sets, "recognition") {
+        assert_eq!(row["missing_reason"], "no member is done yet");
+        assert_eq!((&row["provisional"], &row["of"]), (&json!(true), &json!(8)));
+    }
+    fresh.work().await;
+    let sets = table(&fresh, sweep, "sets").await;
+    let recognized = rows(&sets, "recognition");
+    assert_eq!(
+        (recognized.len(), rows(&sets, "gain_fidelity").len()),
+        (2, 2)
+    );
+    for row in &recognized {
+        // What comes back has exactly the stored shape.
+        assert_eq!(row["results"]["recognition_accuracy"], 1.0, "{row}");
+        assert_eq!(row["results"]["recognition_accuracy_training_sem"], 0.0);
+        assert!(
+            row["results"]["validation_accuracy"].as_f64() > Some(0.95),
+            "{row}"
+        );
+        assert_eq!(
+            (&row["processing"], &row["n"]),
+            (&json!("SUB2-BL"), &json!(8))
+        );
+        assert_eq!(
+            (&row["confused"], &row["provisional"]),
+            (&Value::Null, &json!(false))
+        );
+    }
+    let means = rows(&sets, "mean_sem");
+    assert_eq!(
+        means.len(),
+        2,
+        "of scores, and of what was recognized: {means:?}"
+    );
+    assert!(means[0]["results"]["fidelity"].is_f64());
+    assert_eq!(means[1]["results"]["recognition_accuracy"], 1.0);
+    assert_eq!(means[1]["results"]["recognition_accuracy_sem"], 0.0);
+    // Another sweep of these words asks the same networks.
+    let again = fresh.submit(&words(1)).await;
+    assert_eq!(again.jobs.new, 0);
+}
+
 #[tokio::test]
 async fn every_processing_makes_sets_of_its_own() {
     let fresh = fresh().await;

@@ -26,6 +26,7 @@ fn score(time_step: f64, seed: u64, gain: f64, fidelity: f64, n: u64) -> SetRow 
         provisional: false,
         missing_reason: (n < 6).then(|| "1 of 6 members are missing: unstable".to_owned()),
         warning: None,
+        confused: vec![],
     }
 }
 

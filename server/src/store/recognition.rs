@@ -1,0 +1,242 @@
+//! Recognitions: what trained classifiers say of the recalled signals of a sweep.
+
+use std::collections::HashMap;
+use std::panic::resume_unwind;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use granary_api::job::JobState;
+use granary_api::table::SetRow;
+use granary_core::identity::{ArtifactHash, StageId};
+use granary_core::memory::classifier::{network_of, recognize};
+use granary_core::memory::score::Processing;
+use granary_core::memory::waveform::Waveform;
+use granary_core::stage::{STATE, StageSpec};
+use serde_json::{Map, Value};
+use tokio::task::spawn_blocking;
+
+use super::set::{Row, Zero};
+use super::sweep::SweepPlan;
+use super::{Store, StoreError};
+use crate::reduce::key;
+use crate::reduce::recognition::{Answer, Recalled, recognized};
+use crate::sweep::reduction::Reduction;
+
+/// Answers kept in memory, of at most 1,024 words each.
+const MOST_ANSWERS: usize = 2000;
+
+/// What classifiers said, which never changes: by classifier, processing and the recalls of the set.
+#[derive(Default)]
+pub(super) struct Answers(Mutex<HashMap<[u8; 32], Answer>>);
+
+impl Answers {
+    fn get(&self, key: &[u8; 32]) -> Option<Answer> {
+        let answers = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        answers.get(key).cloned()
+    }
+
+    fn put(&self, key: [u8; 32], answer: Answer) {
+        let mut answers = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if answers.len() >= MOST_ANSWERS {
+            answers.clear();
+        }
+        answers.insert(key, answer);
+    }
+}
+
+/// The recalls of a set that are there.
+#[derive(Default)]
+struct Set {
+    recalled: Recalled,
+    /// Job, ensemble and signal of each, in the order of the words.
+    signals: Vec<(i64, i64, ArtifactHash)>,
+}
+
+/// What a signal is compared with.
+#[derive(Clone, Copy)]
+struct Background {
+    open: bool,
+    is_there: bool,
+}
+
+/// A classifier as far as it is trained.
+enum Classifier {
+    Trained { state: ArtifactHash, accuracy: f64 },
+    Not(Answer),
+}
+
+impl Store {
+    /// The sets of a recognition.
+    pub(super) async fn recognitions(
+        &self,
+        plan: &SweepPlan,
+        reduction: &Reduction,
+    ) -> Result<Vec<SetRow>, StoreError> {
+        let ids: Vec<StageId> = reduction
+            .classifiers()
+            .iter()
+            .map(|spec| StageSpec::Classifier(spec.clone()).id())
+            .collect();
+        let mut classifiers = vec![];
+        for id in ids {
+            classifiers.push((id, self.classifier(id).await?));
+        }
+        let mut zeros = self.zeros(plan).await?;
+        let mut rows = vec![];
+        for &processing in reduction.processing().unwrap_or_default() {
+            for set in self.recalled(plan, reduction, processing, &zeros).await? {
+                let mut answers = vec![];
+                for (id, classifier) in &classifiers {
+                    answers.push(match classifier {
+                        Classifier::Not(answer) => answer.clone(),
+                        Classifier::Trained { state, accuracy } => {
+                            let asked = (id, state, *accuracy);
+                            self.answer(&set, processing, asked, &mut zeros).await?
+                        }
+                    });
+                }
+                rows.push(recognized(&set.recalled, processing, &answers));
+            }
+        }
+        Ok(rows)
+    }
+
+    async fn classifier(&self, id: StageId) -> Result<Classifier, StoreError> {
+        const FIND: &str = "
+            select j.state, coalesce(j.failure ->> 'message', j.failure ->> 'kind'), o.artifacts ->> $2,
+                   o.results ->> 'validation_accuracy'
+              from job j left join outcome o on o.job = j.id
+             where j.hash = $1";
+        type Found = (String, Option<String>, Option<String>, Option<f64>);
+        let found = sqlx::query_as(FIND).bind(&id.as_bytes()[..]).bind(STATE);
+        let found: Option<Found> = found.fetch_optional(self.readers()).await?;
+        let Some((state, failure, artifact, accuracy)) = found else {
+            return Ok(Classifier::Not(Answer::Untrained));
+        };
+        if let Some(state) = artifact.and_then(|hash| hash.parse().ok()) {
+            let accuracy = accuracy.unwrap_or(f64::NAN);
+            return Ok(Classifier::Trained { state, accuracy });
+        }
+        let open = state.parse().is_ok_and(|state: JobState| !state.is_final());
+        let why = || failure.unwrap_or_else(|| "failed or cancelled".to_owned());
+        Ok(Classifier::Not(if open {
+            Answer::Untrained
+        } else {
+            Answer::Failed(why())
+        }))
+    }
+
+    /// The sets with the recalls that are there, in the order in which they first appear.
+    async fn recalled(
+        &self,
+        plan: &SweepPlan,
+        reduction: &Reduction,
+        processing: Processing,
+        zeros: &HashMap<i64, Zero>,
+    ) -> Result<Vec<Set>, StoreError> {
+        let over = reduction.over();
+        let mut places: HashMap<String, usize> = HashMap::new();
+        let mut sets: Vec<Set> = vec![];
+        let mut after = -1;
+        loop {
+            let rows = self.signal_rows(plan, after).await?;
+            let Some(last) = rows.last() else {
+                return Ok(sets);
+            };
+            after = last.0;
+            for row in &rows {
+                let parameters: Map<String, Value> =
+                    serde_json::from_str(&row.1).map_err(StoreError::corrupt("point"))?;
+                let place = *places.entry(key(&parameters, over)).or_insert_with(|| {
+                    let kept = parameters.iter().filter(|(name, _)| !over.contains(name));
+                    let mut set = Set::default();
+                    set.recalled.parameters = kept.map(|(n, v)| (n.clone(), v.clone())).collect();
+                    sets.push(set);
+                    sets.len() - 1
+                });
+                let zero = zeros.get(&row.4);
+                let background = Background {
+                    open: processing.needs_zero() && zero.is_none_or(|zero| zero.open),
+                    is_there: !processing.needs_zero() || zero.is_some_and(Zero::is_there),
+                };
+                let waveform = parameters
+                    .get("waveform")
+                    .or_else(|| plan.fixed.get("waveform"));
+                sets[place].add(row, waveform, background);
+            }
+        }
+    }
+
+    /// What one classifier says of a set.
+    async fn answer(
+        &self,
+        set: &Set,
+        processing: Processing,
+        (id, state, accuracy): (&StageId, &ArtifactHash, f64),
+        zeros: &mut HashMap<i64, Zero>,
+    ) -> Result<Answer, StoreError> {
+        let key = set.key(id, processing);
+        if let Some(answer) = self.inner.answers.get(&key) {
+            return Ok(answer);
+        }
+        let mut signals = vec![];
+        for (_, ensemble, artifact) in &set.signals {
+            let zero = zeros.get_mut(ensemble).filter(|_| processing.needs_zero());
+            let background = self.background(zero).await?;
+            let signal = self.signal(artifact).await?;
+            let processed = processing.apply(&signal, background);
+            signals.push(processed.ok_or_else(|| {
+                StoreError::NotFound(format!(
+                    "what {} needs of signal {artifact}",
+                    processing.name()
+                ))
+            })?);
+        }
+        let state = Arc::new(self.artifact_get(state).await?);
+        let asked =
+            spawn_blocking(move || network_of(&state).map(|network| recognize(&network, &signals)));
+        let told = asked
+            .await
+            .unwrap_or_else(|failed| resume_unwind(failed.into_panic()));
+        let answer = match told {
+            Ok(Some(words)) => Answer::Words(words, accuracy),
+            Ok(None) => Answer::Silence,
+            Err(detail) => Answer::Failed(detail),
+        };
+        self.inner.answers.put(key, answer.clone());
+        Ok(answer)
+    }
+}
+
+impl Set {
+    /// Adds a point.
+    fn add(&mut self, row: &Row, waveform: Option<&Value>, background: Background) {
+        let (_, _, job, state, ensemble, signal, _, failure) = row;
+        let set = &mut self.recalled;
+        set.of += 1;
+        set.open |= state.parse().is_ok_and(|state: JobState| !state.is_final());
+        set.open |= background.open;
+        if set.failure.is_none() {
+            set.failure.clone_from(failure);
+        }
+        let signal = signal.as_ref().filter(|_| background.is_there);
+        let word = match waveform.map(Waveform::parse) {
+            Some(Ok(Waveform::BinaryWord { word, .. })) => Some(word),
+            _ => None,
+        };
+        let found = signal.and_then(|hash| hash.parse().ok()).zip(word);
+        if let Some((artifact, word)) = found {
+            set.words.push(word);
+            self.signals.push((*job, *ensemble, artifact));
+        }
+    }
+
+    fn key(&self, classifier: &StageId, processing: Processing) -> [u8; 32] {
+        let mut hasher = blake3::Hasher::new();
+        hasher.update(classifier.as_bytes());
+        hasher.update(processing.name().as_bytes());
+        for (job, _, _) in &self.signals {
+            hasher.update(&job.to_le_bytes());
+        }
+        *hasher.finalize().as_bytes()
+    }
+}
