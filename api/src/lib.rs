@@ -6,6 +6,7 @@
 pub mod id;
 pub mod problem;
 
+pub mod figure;
 pub mod job;
 pub mod lease;
 pub mod model;

@@ -129,10 +129,19 @@ pub struct Confused {
 }
 
 impl SetRow {
-    /// Why numbers are missing, and what to know of those that are not.
+    /// Why numbers are missing, what to know of those that are not, and which words are confused.
     #[must_use]
     pub fn remark(&self) -> String {
-        let parts = [&self.missing_reason, &self.warning];
+        let confused = self.confused.first().map(|first| {
+            let (
+                count,
+                Confused {
+                    word, taken_for, ..
+                },
+            ) = (self.confused.len(), first);
+            format!("{count} confused, such as word {word} taken for {taken_for}")
+        });
+        let parts = [&self.missing_reason, &self.warning, &confused];
         let told: Vec<&str> = parts.into_iter().filter_map(Option::as_deref).collect();
         told.join("; ")
     }

@@ -1,4 +1,4 @@
-//! `granary figures`: the figures and tables of the beam paper, and those of a single contact of the memory paper, computed here.
+//! `granary figures`: the figures and tables of both papers, computed here.
 
 mod catalog;
 mod contact;
@@ -11,6 +11,7 @@ mod beams;
 mod curves;
 mod grains;
 mod inside;
+mod memory;
 
 use std::path::{Path, PathBuf};
 
@@ -41,7 +42,7 @@ pub(crate) struct Args {
     /// Print its spec instead, ready to be submitted.
     #[arg(long, requires = "name")]
     spec: bool,
-    /// Size of the beam and speed of the rods.
+    /// Size and numerics; packs of grains are as large as the paper's but for `draft`.
     #[arg(long, default_value = "draft", value_parser = preset_names())]
     preset: String,
     /// Packings of each combination.
@@ -69,12 +70,79 @@ pub(crate) struct Args {
     place: Place,
 }
 
+/// A figure in place of a spec, as `granary run` takes it.
+#[derive(Debug, clap::Args)]
+pub(crate) struct FigureArgs {
+    /// The sweep behind this figure of the papers, drawn when it is done; `granary figures` lists them.
+    #[arg(long, value_name = "NAME")]
+    figure: Option<String>,
+    /// Size and numerics of the figure.
+    #[arg(long, default_value = "draft", value_parser = preset_names(), requires = "figure")]
+    preset: String,
+    /// Packings of each combination of the figure.
+    #[arg(long, default_value_t = 1, value_name = "N", requires = "figure", value_parser = clap::value_parser!(u64).range(1..=1000))]
+    packings: u64,
+    /// Where the figure's pictures and numbers are written.
+    #[arg(
+        long,
+        default_value = "figures",
+        value_name = "DIR",
+        requires = "figure"
+    )]
+    out: PathBuf,
+}
+
+impl FigureArgs {
+    fn figure(&self) -> anyhow::Result<Option<&'static Figure>> {
+        self.figure
+            .as_deref()
+            .map(|name| sweep_named(name, &self.preset))
+            .transpose()
+    }
+
+    /// The spec of the figure, if there is one.
+    pub(crate) fn spec(&self) -> anyhow::Result<Option<SpecFile>> {
+        let Some(figure) = self.figure()? else {
+            return Ok(None);
+        };
+        let text = figure.sweep().spec(&self.preset, self.packings);
+        Ok(Some(SpecFile::parse(figure.name.to_owned(), &text, false)?))
+    }
+
+    /// Draws the figure from its sweep.
+    pub(crate) async fn draw(&self, client: &ApiClient, sweep: SweepId) -> anyhow::Result<()> {
+        if let Some(figure) = self.figure()? {
+            write(client, sweep, figure, &self.out).await?;
+        }
+        Ok(())
+    }
+}
+
+/// The figure called `name`, whose model has such a preset.
+fn sweep_named(name: &str, preset: &str) -> anyhow::Result<&'static Figure> {
+    let names = || {
+        let contacts = CONTACTS.iter().map(|figure| figure.name);
+        let all = ALL.iter().map(|figure| figure.name).chain(contacts);
+        all.collect::<Vec<_>>()
+    };
+    let figure = Figure::named(name)
+        .with_context(|| format!("`{name}` is not one of {}", names().join(", ")))?;
+    let model = figure.sweep().model;
+    anyhow::ensure!(
+        figure.sweep().has_preset(preset),
+        "`{name}` has no preset {preset}: its model, {}, has none",
+        model.name()
+    );
+    Ok(figure)
+}
+
+/// The presets of both models.
 fn preset_names() -> Vec<&'static str> {
-    Model::Beam
-        .presets()
-        .iter()
-        .map(|preset| preset.name)
-        .collect()
+    let all = Model::ALL.into_iter().flat_map(Model::presets);
+    let mut names: Vec<&str> = all.map(|preset| preset.name).collect();
+    names.sort_unstable();
+    names.dedup();
+    names
 }
 
 /// Lists, prints or draws.
@@ -95,15 +163,9 @@ pub(crate) async fn run(args: Args) -> anyhow::Result<Done> {
         save(&args.out, files)?;
         return Ok(Done::Complete);
     }
-    let names = || {
-        let contacts = CONTACTS.iter().map(|figure| figure.name);
-        let all = ALL.iter().map(|figure| figure.name).chain(contacts);
-        all.collect::<Vec<_>>()
-    };
-    let figure = Figure::named(name)
-        .with_context(|| format!("`{name}` is not one of {}", names().join(", ")))?;
+    let figure = sweep_named(name, &args.preset)?;
     if args.spec {
-        output::bytes(figure.spec(&args.preset, args.packings).as_bytes())?;
+        output::bytes(figure.sweep().spec(&args.preset, args.packings).as_bytes())?;
         return Ok(Done::Complete);
     }
     draw(&args, figure).await
@@ -111,7 +173,7 @@ pub(crate) async fn run(args: Args) -> anyhow::Result<Done> {
 
 /// The spec of a figure, as the command was told.
 fn spec_of(args: &Args, figure: &Figure) -> anyhow::Result<SpecFile> {
-    let text = figure.spec(&args.preset, args.packings);
+    let text = figure.sweep().spec(&args.preset, args.packings);
     Ok(SpecFile::parse(figure.name.to_owned(), &text, false)?)
 }
 
@@ -122,7 +184,10 @@ async fn list(args: &Args) -> anyhow::Result<Done> {
     let mut service = Service::open(Config::new(place.path()), None, "granary figures").await?;
     let client = service.client().await?;
     let mut table = Table::new(["figure", "points", "one core", "drawn", "what it shows"]);
-    for figure in ALL {
+    for figure in ALL
+        .iter()
+        .filter(|figure| figure.sweep().has_preset(&args.preset))
+    {
         let planned = client.submit(&spec_of(args, figure)?, true).await?;
         table.push(vec![
             figure.name.to_owned(),
@@ -133,7 +198,7 @@ async fn list(args: &Args) -> anyhow::Result<Done> {
                 Shown::Table => "CSV",
             }
             .to_owned(),
-            figure.shows.to_owned(),
+            figure.sweep().shows.to_owned(),
         ]);
     }
     for figure in CONTACTS {
@@ -220,7 +285,12 @@ async fn write(
     let data = Data::read(client, sweep.sweep, figure).await?;
     let files = match figure.shown {
         Shown::Picture(draw) => {
-            let title = format!("{}: {}; preset {}", figure.name, figure.shows, sweep.preset);
+            let title = format!(
+                "{}: {}; preset {}",
+                figure.name,
+                figure.sweep().shows,
+                sweep.preset
+            );
             pictures(figure.name, &title, &draw(&data))
         }
         Shown::Table => {

@@ -13,7 +13,7 @@ pub(crate) struct Mean {
 }
 
 impl Mean {
-    fn of(values: &[f64]) -> Self {
+    pub(crate) fn of(values: &[f64]) -> Self {
         let n = values.len() as f64;
         let mean = values.iter().sum::<f64>() / n;
         let squares: f64 = values.iter().map(|v| (v - mean) * (v - mean)).sum();
@@ -35,52 +35,79 @@ pub(crate) struct Published {
     pub(crate) fidelity: Mean,
 }
 
-/// One line: friction, grains, 𝒢·E·δ0 \[Pa\], 𝓕.
-type Line = (f64, u64, f64, f64);
+/// One published pack.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Pack {
+    shape: String,
+    /// 𝒪; 1 for spheres.
+    pub(crate) overlap: f64,
+    /// μ.
+    pub(crate) friction: f64,
+    /// N.
+    pub(crate) grains: u64,
+    /// δ0.
+    pub(crate) delta0: f64,
+    /// γ0.
+    pub(crate) gamma0: f64,
+    /// 𝒢·E·δ0 \[Pa\].
+    pub(crate) gain_e_delta0: f64,
+    /// 𝒢.
+    pub(crate) gain: f64,
+    /// 𝓕.
+    pub(crate) fidelity: f64,
+}
+
+impl Pack {
+    /// Whether its grains are tetrahedra of this overlap.
+    pub(crate) fn is_tetrahedron(&self, overlap: f64) -> bool {
+        self.shape == "tetra" && self.overlap.total_cmp(&overlap).is_eq()
+    }
+}
+
+/// Every published pack.
+pub(crate) fn packs() -> impl Iterator<Item = Pack> {
+    CSV.lines().skip(1).filter_map(|line| {
+        let mut cells = line.split(',');
+        let shape = cells.next()?.to_owned();
+        let mut number = || cells.next()?.parse().ok();
+        Some(Pack {
+            shape,
+            overlap: number()?,
+            friction: number()?,
+            grains: number()? as u64,
+            delta0: number()?,
+            gamma0: number()?,
+            gain_e_delta0: number()?,
+            gain: number()?,
+            fidelity: number()?,
+        })
+    })
+}
 
 /// Tetrahedra of overlap 0.6 at δ0 = 0.05 and γ0 = 10⁻³.
-fn lines() -> impl Iterator<Item = Line> {
-    CSV.lines().skip(1).filter_map(|line| {
-        let cells: Vec<&str> = line.split(',').collect();
-        let [
-            shape,
-            overlap,
-            friction,
-            grains,
-            delta0,
-            gamma0,
-            gain,
-            _,
-            fidelity,
-        ] = cells[..]
-        else {
-            return None;
-        };
-        if (shape, overlap, delta0, gamma0) != ("tetra", "0.6", "0.05", "0.001") {
-            return None;
-        }
-        Some((
-            friction.parse().ok()?,
-            grains.parse().ok()?,
-            gain.parse().ok()?,
-            fidelity.parse().ok()?,
-        ))
+fn usual() -> impl Iterator<Item = Pack> {
+    let same = |a: f64, b: f64| a.total_cmp(&b).is_eq();
+    packs().filter(move |pack| {
+        pack.is_tetrahedron(0.6) && same(pack.delta0, 0.05) && same(pack.gamma0, 1e-3)
     })
 }
 
 /// The published packs of this friction coefficient: those of the same size if there are any, else the largest.
 pub(crate) fn published(friction: f64, grains: u64) -> Option<Published> {
-    let same: Vec<Line> = lines()
-        .filter(|line| line.0.total_cmp(&friction).is_eq())
+    let same: Vec<Pack> = usual()
+        .filter(|pack| pack.friction.total_cmp(&friction).is_eq())
         .collect();
-    let size = if same.iter().any(|line| line.1 == grains) {
+    let size = if same.iter().any(|pack| pack.grains == grains) {
         grains
     } else {
-        same.iter().map(|line| line.1).max()?
+        same.iter().map(|pack| pack.grains).max()?
     };
-    let packs: Vec<Line> = same.into_iter().filter(|line| line.1 == size).collect();
-    let gains: Vec<f64> = packs.iter().map(|line| line.2).collect();
-    let fidelities: Vec<f64> = packs.iter().map(|line| line.3).collect();
+    let packs: Vec<Pack> = same
+        .into_iter()
+        .filter(|pack| pack.grains == size)
+        .collect();
+    let gains: Vec<f64> = packs.iter().map(|pack| pack.gain_e_delta0).collect();
+    let fidelities: Vec<f64> = packs.iter().map(|pack| pack.fidelity).collect();
     Some(Published {
         grains: size,
         packs: packs.len(),

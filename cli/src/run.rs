@@ -9,6 +9,7 @@ use serde_json::json;
 
 use crate::api_client::ApiClient;
 use crate::failure::Done;
+use crate::figures::FigureArgs;
 use crate::service::{self, Place, Service, all_cores};
 use crate::spec_file::SpecFile;
 use crate::{interrupt, log, output, submit, table, watch};
@@ -17,7 +18,10 @@ use crate::{interrupt, log, output, submit, table, watch};
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// The spec, TOML or JSON; `-` is standard input.
-    spec: PathBuf,
+    #[arg(required_unless_present = "figure", conflicts_with = "figure")]
+    spec: Option<PathBuf>,
+    #[command(flatten)]
+    figure: FigureArgs,
     /// Print points and sets as JSON.
     #[arg(long)]
     json: bool,
@@ -31,7 +35,11 @@ pub(crate) struct Args {
 /// Computes, or goes on where an interrupted run stopped.
 pub(crate) async fn run(args: Args) -> anyhow::Result<Done> {
     log::to_stderr(tracing::Level::WARN);
-    let spec = SpecFile::read(&args.spec)?;
+    let spec = match (&args.spec, args.figure.spec()?) {
+        (_, Some(spec)) => spec,
+        (Some(path), None) => SpecFile::read(path)?,
+        (None, None) => anyhow::bail!("there is neither a spec nor a figure"),
+    };
     let work = async |service: &mut Service| whole(service, &args, &spec).await;
     service::with(&args.place, "granary run", work).await
 }
@@ -42,6 +50,7 @@ async fn whole(service: &mut Service, args: &Args, spec: &SpecFile) -> anyhow::R
         return Ok(Done::Interrupted);
     };
     print(&client, finished.sweep, args.json).await?;
+    args.figure.draw(&client, finished.sweep).await?;
     Ok(watch::verdict(&finished))
 }
 

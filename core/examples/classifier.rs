@@ -2,6 +2,12 @@
 //!
 //! `cargo run --release -p granary-core --example classifier -- BITS SHIFTS AMPLITUDES NOISES EPOCHS RATE`
 
+#![expect(
+    clippy::print_stdout,
+    clippy::disallowed_methods,
+    reason = "an example that prints what it measures"
+)]
+
 use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -54,7 +60,7 @@ fn main() {
     let start = Instant::now();
     let ((outcome, learned), _) = crew.work(|| {
         let mut learned = None;
-        let outcome = run(&ensemble, &mut |report| {
+        let outcome = run(&ensemble, &mut |_| {
             if learned.is_none() {
                 eprintln!("signals made in {:.2} s", start.elapsed().as_secs_f64());
                 learned = Some(Instant::now());

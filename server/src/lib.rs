@@ -6,6 +6,7 @@
 mod archive;
 mod config;
 mod error;
+pub mod figures;
 mod planner;
 pub mod presets;
 pub mod queue;

@@ -8,6 +8,8 @@ use granary_api::table::SetRow;
 use granary_core::memory::score::{Dots, Processing, Score};
 use serde_json::{Map, Value};
 
+use crate::sweep::reduction::bits;
+
 pub mod recognition;
 pub mod strength;
 pub mod study;
@@ -34,6 +36,7 @@ pub struct Member {
 pub struct Scorer {
     over: Vec<String>,
     processing: Processing,
+    by_length: bool,
     places: HashMap<String, usize>,
     sets: Vec<Collected>,
 }
@@ -55,12 +58,13 @@ struct Collected {
 }
 
 impl Scorer {
-    /// No sets yet.
+    /// No sets yet; `by_length` keeps words of different lengths apart.
     #[must_use]
-    pub fn new(over: &[String], processing: Processing) -> Self {
+    pub fn new(over: &[String], processing: Processing, by_length: bool) -> Self {
         Self {
             over: over.to_vec(),
             processing,
+            by_length,
             places: HashMap::new(),
             sets: vec![],
         }
@@ -68,10 +72,11 @@ impl Scorer {
 
     /// Adds one point to its set.
     pub fn add(&mut self, member: &Member) {
-        let key = key(&member.parameters, &self.over);
+        let parameters = set_parameters(&member.parameters, &self.over, self.by_length);
+        let key = key(&parameters, &[]);
         let place = *self.places.entry(key).or_insert_with(|| {
             self.sets.push(Collected {
-                parameters: without(&member.parameters, &self.over),
+                parameters,
                 scale: member.scale,
                 dots: Dots::default(),
                 n: 0,
@@ -358,6 +363,18 @@ pub(crate) fn key(parameters: &Map<String, Value>, over: &[String]) -> String {
         key.push(' ');
     }
     key
+}
+
+/// What the members of a set have in common: all but what it is taken over, and of words their length where that varies.
+pub(crate) fn set_parameters(
+    parameters: &Map<String, Value>,
+    over: &[String],
+    by_length: bool,
+) -> Map<String, Value> {
+    let mut common = without(parameters, over);
+    let length = bits(parameters.get("waveform")).filter(|_| by_length);
+    common.extend(length.map(|bits| ("bits".to_owned(), bits.into())));
+    common
 }
 
 fn without(parameters: &Map<String, Value>, over: &[String]) -> Map<String, Value> {

@@ -3,6 +3,7 @@
 mod artifacts;
 mod body;
 mod events;
+mod figures;
 mod gate;
 mod health;
 mod jobs;
@@ -53,6 +54,8 @@ fn table() -> OpenApiRouter<App> {
     OpenApiRouter::with_openapi(Document::openapi())
         .routes(routes!(models::list_models))
         .routes(routes!(models::read_model))
+        .routes(routes!(figures::list_figures))
+        .routes(routes!(figures::read_figure))
         .routes(routes!(sweeps::submit_sweep, sweeps::list_sweeps))
         .routes(routes!(sweeps::read_sweep))
         .routes(routes!(sweeps::cancel_sweep))

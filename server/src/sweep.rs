@@ -124,18 +124,16 @@ impl Plan {
         );
         let fixed = sections.fixed.clone();
         let axes = values_by_axis(table.get("grid"), &grids);
+        let about = reduction::About {
+            model,
+            axes: &axes,
+            grids: &grids,
+            fixed: &fixed,
+        };
         let mut reductions = match table.get("reduce") {
-            Some(value) => {
-                let about = reduction::About {
-                    model,
-                    axes: &axes,
-                    grids: &grids,
-                    fixed: &fixed,
-                };
-                reduction::read(value, &about, &mut mistakes)
-            }
-            None if study.is_some() => reduction::before_study(model),
-            None => reduction::usual(model, &axes),
+            Some(value) => reduction::read(value, &about, &mut mistakes),
+            None if study.is_some() => reduction::before_study(&about),
+            None => reduction::usual(&about),
         };
         let points = points.saturating_mul(settings.map_or(1, |all| all.len() as u64));
         if points > limits.points {

@@ -6,7 +6,8 @@ use anyhow::Context;
 use granary_api::id::SweepId;
 use granary_api::job::JobState;
 use granary_api::table::{PointRow, Scalar, SetRow};
-use granary_core::outcome::{GRAINS_DUMP, HISTORY, STRUCTURE};
+use granary_core::memory::score::Signal;
+use granary_core::outcome::{GRAINS_DUMP, HISTORY, SIGNAL, STRUCTURE};
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
@@ -115,6 +116,17 @@ pub(crate) struct Data {
     pub(crate) structures: BTreeMap<u64, Structure>,
     /// Snapshots by point.
     pub(crate) grains: BTreeMap<u64, Vec<Vec<Grain>>>,
+    /// Raw signals by point.
+    pub(crate) signals: BTreeMap<u64, Signal>,
+    /// Records of recalls by point.
+    pub(crate) recalls: BTreeMap<u64, Recall>,
+}
+
+/// What is drawn of the record of a recall, at 256 values of u from 0 to 1; SI units.
+#[derive(Clone, Debug, Default, Deserialize)]
+pub(crate) struct Recall {
+    /// `encode` and `decode`, and quantities by name.
+    pub(crate) series: BTreeMap<String, BTreeMap<String, Vec<f64>>>,
 }
 
 impl Data {
@@ -137,6 +149,17 @@ impl Data {
                 continue;
             }
             let artifacts = client.job(row.job).await?.artifacts;
+            if figure.needs == Needs::Signals {
+                if let Some(hash) = artifacts.get(SIGNAL) {
+                    let signal = parse(&client.artifact(*hash).await?, SIGNAL)?;
+                    data.signals.insert(row.point, signal);
+                }
+                if let Some(hash) = artifacts.get(HISTORY) {
+                    let recall = parse(&client.artifact(*hash).await?, HISTORY)?;
+                    data.recalls.insert(row.point, recall);
+                }
+                continue;
+            }
             if let Some(hash) = artifacts.get(HISTORY) {
                 let history = parse(&client.artifact(*hash).await?, HISTORY)?;
                 data.histories.insert(row.point, history);

@@ -1,7 +1,6 @@
 use std::collections::BTreeMap;
 
 use granary_api::table::{PointRow, SetRow};
-use granary_server::sweep::{Limits, Plan};
 use serde_json::{Value, json};
 
 use super::contact::CONTACTS;
@@ -9,40 +8,11 @@ use super::data::{History, Structure};
 use super::drawing::{Chart, Panel, Style};
 use super::*;
 
-fn plan(figure: &Figure, preset: &str, packings: u64) -> Plan {
-    let text = figure.spec(preset, packings);
-    let spec = SpecFile::parse(figure.name.to_owned(), &text, false).expect("TOML");
-    let plan = Plan::read(&spec.value, Limits::default());
-    plan.unwrap_or_else(|mistakes| panic!("{}: {mistakes:?}", figure.name))
-}
-
 #[test]
-fn spec_of_every_figure_is_valid_in_every_preset() {
-    for figure in ALL {
-        for preset in preset_names() {
-            assert_eq!(plan(figure, preset, 1).preset, preset, "{}", figure.name);
-        }
-    }
-}
-
-#[test]
-fn packings_multiply_the_points_of_every_figure() {
-    for figure in ALL {
-        let [one, three] = [1, 3].map(|packings| plan(figure, "draft", packings).points);
-        assert_eq!(three, 3 * one, "{}", figure.name);
-    }
-}
-
-#[test]
-fn figures_are_those_of_the_paper() {
+fn figures_are_those_of_the_server_in_its_order() {
     let names: Vec<&str> = ALL.iter().map(|figure| figure.name).collect();
-    let numbers = (3..=16).map(|n| format!("fig{n}"));
-    let expected: Vec<String> = numbers.chain(["table1".to_owned()]).collect();
-    assert_eq!(names, expected);
-    assert_eq!(
-        plan(Figure::named("fig8").expect("one"), "draft", 1).points,
-        44
-    );
+    let known = granary_server::figures::FIGURES.iter();
+    assert_eq!(names, known.map(|figure| figure.name).collect::<Vec<_>>());
 }
 
 fn point(number: u64, parameters: &Value, results: &Value) -> PointRow {

@@ -48,6 +48,16 @@ pub const RESULTS: &[Quantity] = &[
         "How much of the recalled signals scatters from sample to sample, as nothing stored does; in a pack at rest 0.02 and less, from 0.1 on a set is warned.",
     ),
     Quantity::new(
+        "recognition_accuracy",
+        ("A", ""),
+        "Share of recalled words that a classifier, trained on the stored waveforms alone, takes for what they are (App. C); its standard error is that of several trainings, or of packings.",
+    ),
+    Quantity::new(
+        "validation_accuracy",
+        ("A_val", ""),
+        "Share of transformed waveforms that the classifier tells, of those that it did not learn from.",
+    ),
+    Quantity::new(
         "encode_correlation",
         ("C_enc", ""),
         "Correlation of the shear stress with the waveform while it is stored.",

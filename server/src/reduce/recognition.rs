@@ -60,7 +60,7 @@ pub fn recognized(set: &Recalled, processing: Processing, answers: &[Answer]) ->
     let untrained = answers.contains(&Answer::Untrained);
     let results = [
         ("recognition_accuracy", mean),
-        ("recognition_accuracy_training_sem", sem),
+        ("recognition_accuracy_sem", sem),
         ("validation_accuracy", validation),
     ];
     SetRow {
@@ -166,10 +166,7 @@ mod tests {
         let row = recognized(&set(&[0, 1, 2, 3], 4), Processing::Sub2Baseline, &answers);
         assert_eq!(row.results["recognition_accuracy"], Some(0.625));
         // Of 0.75 and 0.5: √(2 × 0.125²/1/2).
-        assert_eq!(
-            row.results["recognition_accuracy_training_sem"],
-            Some(0.125)
-        );
+        assert_eq!(row.results["recognition_accuracy_sem"], Some(0.125));
         let pair = |word, taken_for, trainings| Confused {
             word,
             taken_for,

@@ -28,7 +28,7 @@ fn recalled(gain_e_delta0: f64) -> Dots {
 }
 
 fn scores(members: &[Member]) -> Vec<SetRow> {
-    let mut scorer = Scorer::new(&["waveform".to_owned()], Processing::Sub0);
+    let mut scorer = Scorer::new(&["waveform".to_owned()], Processing::Sub0, false);
     for member in members {
         scorer.add(member);
     }

@@ -17,9 +17,9 @@ use tokio::task::spawn_blocking;
 use super::set::{Row, Zero};
 use super::sweep::SweepPlan;
 use super::{Store, StoreError};
-use crate::reduce::key;
 use crate::reduce::recognition::{Answer, Recalled, recognized};
-use crate::sweep::reduction::Reduction;
+use crate::reduce::{key, set_parameters};
+use crate::sweep::reduction::{Reduction, bits};
 
 /// Answers kept in memory, of at most 1,024 words each.
 const MOST_ANSWERS: usize = 2000;
@@ -44,8 +44,9 @@ impl Answers {
 }
 
 /// The recalls of a set that are there.
-#[derive(Default)]
 struct Set {
+    /// L.
+    bits: u32,
     recalled: Recalled,
     /// Job, ensemble and signal of each, in the order of the words.
     signals: Vec<(i64, i64, ArtifactHash)>,
@@ -71,21 +72,18 @@ impl Store {
         plan: &SweepPlan,
         reduction: &Reduction,
     ) -> Result<Vec<SetRow>, StoreError> {
-        let ids: Vec<StageId> = reduction
-            .classifiers()
-            .iter()
-            .map(|spec| StageSpec::Classifier(spec.clone()).id())
-            .collect();
         let mut classifiers = vec![];
-        for id in ids {
-            classifiers.push((id, self.classifier(id).await?));
+        for spec in reduction.classifiers() {
+            let id = StageSpec::Classifier(spec.clone()).id();
+            classifiers.push((spec.bits, id, self.classifier(id).await?));
         }
         let mut zeros = self.zeros(plan).await?;
         let mut rows = vec![];
         for &processing in reduction.processing().unwrap_or_default() {
             for set in self.recalled(plan, reduction, processing, &zeros).await? {
                 let mut answers = vec![];
-                for (id, classifier) in &classifiers {
+                let asked = classifiers.iter().filter(|(bits, ..)| *bits == set.bits);
+                for (_, id, classifier) in asked {
                     answers.push(match classifier {
                         Classifier::Not(answer) => answer.clone(),
                         Classifier::Trained { state, accuracy } => {
@@ -133,7 +131,7 @@ impl Store {
         processing: Processing,
         zeros: &HashMap<i64, Zero>,
     ) -> Result<Vec<Set>, StoreError> {
-        let over = reduction.over();
+        let (over, by_length) = (reduction.over(), reduction.by_length());
         let mut places: HashMap<String, usize> = HashMap::new();
         let mut sets: Vec<Set> = vec![];
         let mut after = -1;
@@ -146,11 +144,19 @@ impl Store {
             for row in &rows {
                 let parameters: Map<String, Value> =
                     serde_json::from_str(&row.1).map_err(StoreError::corrupt("point"))?;
-                let place = *places.entry(key(&parameters, over)).or_insert_with(|| {
-                    let kept = parameters.iter().filter(|(name, _)| !over.contains(name));
-                    let mut set = Set::default();
-                    set.recalled.parameters = kept.map(|(n, v)| (n.clone(), v.clone())).collect();
-                    sets.push(set);
+                let waveform = parameters
+                    .get("waveform")
+                    .or_else(|| plan.fixed.get("waveform"));
+                let common = set_parameters(&parameters, over, by_length);
+                let place = *places.entry(key(&common, &[])).or_insert_with(|| {
+                    sets.push(Set {
+                        bits: bits(waveform).unwrap_or_default(),
+                        recalled: Recalled {
+                            parameters: common,
+                            ..Recalled::default()
+                        },
+                        signals: vec![],
+                    });
                     sets.len() - 1
                 });
                 let zero = zeros.get(&row.4);

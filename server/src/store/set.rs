@@ -17,7 +17,7 @@ use super::sweep::SweepPlan;
 use super::{Store, StoreError};
 use crate::reduce::strength::ultimate_strength_fit;
 use crate::reduce::study::study;
-use crate::reduce::{Member, Scorer, key, mean_sem};
+use crate::reduce::{Member, Scorer, key, mean_sem, set_parameters};
 use crate::sweep::reduction::Reduction;
 use crate::table::{TableQuery, compare};
 
@@ -126,8 +126,8 @@ impl Store {
         let mut last: Option<Vec<SetRow>> = None;
         for reduction in &plan.reductions {
             let (before, sets) = match (reduction, last.take()) {
-                (Reduction::GainFidelity { over, processing }, before) => {
-                    (before, self.scores(plan, over, processing).await?)
+                (Reduction::GainFidelity { .. }, before) => {
+                    (before, self.scores(plan, reduction).await?)
                 }
                 (Reduction::Recognition { .. }, before) => {
                     (before, self.recognitions(plan, reduction).await?)
@@ -161,12 +161,16 @@ impl Store {
         Ok(match reduction {
             Reduction::UltimateStrengthFit { over } => ultimate_strength_fit(rows, over),
             Reduction::Study { over, settings } => {
-                let scored = plan.reductions.iter().find_map(|link| match link {
-                    Reduction::GainFidelity { over, .. } => Some(over.as_slice()),
-                    _ => None,
-                });
-                let gone = scored.unwrap_or_default();
-                let costs = self.costs(plan, |point| key(point, gone)).await?;
+                let scored = plan
+                    .reductions
+                    .iter()
+                    .find(|link| link.processing().is_some());
+                let (gone, by_length) = match scored {
+                    Some(link) => (link.over(), link.by_length()),
+                    None => (&[][..], false),
+                };
+                let of_set = |point: &_| key(&set_parameters(point, gone, by_length), &[]);
+                let costs = self.costs(plan, of_set).await?;
                 let cost = |row: &SetRow| {
                     let known = costs.get(&key(&row.parameters, &[]));
                     known.copied().unwrap_or_default()
@@ -180,13 +184,14 @@ impl Store {
     async fn scores(
         &self,
         plan: &SweepPlan,
-        over: &[String],
-        processing: &[Processing],
+        reduction: &Reduction,
     ) -> Result<Vec<SetRow>, StoreError> {
+        let processing = reduction.processing().unwrap_or_default();
+        let (over, by_length) = (reduction.over(), reduction.by_length());
         let mut zeros = self.zeros(plan).await?;
         let mut scorers: Vec<(Processing, Scorer)> = processing
             .iter()
-            .map(|&p| (p, Scorer::new(over, p)))
+            .map(|&p| (p, Scorer::new(over, p, by_length)))
             .collect();
         let mut after = -1;
         loop {
@@ -358,7 +363,7 @@ fn column(set: &SetRow, plan: &SweepPlan, name: &str) -> Value {
         "provisional" => json!(set.provisional),
         name => match set.results.get(name) {
             Some(value) => json!(value),
-            None if plan.axes.iter().any(|axis| axis == name) => {
+            None if name == "bits" || plan.axes.iter().any(|axis| axis == name) => {
                 set.parameters.get(name).cloned().unwrap_or(Value::Null)
             }
             None => plan.fixed.get(name).cloned().unwrap_or(Value::Null),

@@ -1,13 +1,14 @@
 //! What a spec says of the classifiers that are to recognize words.
 
+use std::collections::BTreeSet;
+
 use granary_core::memory::classifier::settings::{PRESETS, SETTINGS, defaults};
 use granary_core::memory::classifier::{BITS, ClassifierSpec};
-use granary_core::memory::waveform::Waveform;
 use granary_core::parameter::shown;
 use serde_json::{Map, Value, json};
 
 use super::mistakes::{Mistakes, pointer, unknown};
-use super::reduction::About;
+use super::reduction::{About, bits};
 
 /// The most networks that are trained for the error bar of an accuracy.
 const MOST_TRAININGS: u64 = 20;
@@ -41,9 +42,12 @@ pub(super) fn read(
         mistakes.add(&pointer(at, "trainings"), detail);
         return None;
     };
-    let bits = mistakes.keep(&pointer(at, "kind"), bits(about))?;
-    let classifiers: Result<Vec<ClassifierSpec>, String> = (1..=trainings)
-        .map(|seed| ClassifierSpec::from_settings(bits, seed, settings.clone()))
+    let lengths = mistakes.keep(&pointer(at, "kind"), lengths(about))?;
+    let seeds = |bits: u32| (1..=trainings).map(move |seed| (bits, seed));
+    let classifiers: Result<Vec<ClassifierSpec>, String> = lengths
+        .into_iter()
+        .flat_map(seeds)
+        .map(|(bits, seed)| ClassifierSpec::from_settings(bits, seed, settings.clone()))
         .collect();
     mistakes.keep(&place, classifiers)
 }
@@ -96,42 +100,23 @@ fn settings(
     right.then_some(settings)
 }
 
-/// L, if all waveforms of the sweep are words of so many bits.
-fn bits(about: &About<'_>) -> Result<u32, String> {
-    let axes = about.grids.iter().flatten();
-    let of_axes: Vec<&Value> = axes
-        .filter(|axis| axis.name == "waveform")
-        .flat_map(|axis| &axis.values)
-        .collect();
-    let some_grid_has_none = about
-        .grids
-        .iter()
-        .any(|grid| grid.iter().all(|axis| axis.name != "waveform"));
-    let fixed = some_grid_has_none.then(|| &about.fixed["waveform"]);
-    let mut found = None;
-    for value in of_axes.into_iter().chain(fixed) {
-        let bits = match Waveform::parse(value) {
-            Ok(Waveform::BinaryWord { bits, .. }) => u32::from(bits),
-            _ => {
-                return Err(format!(
-                    "only binary words can be recognized, and {} is none: use {{ suite = \"binary_words\", bits = … }}",
-                    shown(value)
-                ));
-            }
+/// Every length of the words that are all waveforms of the sweep.
+fn lengths(about: &About<'_>) -> Result<BTreeSet<u32>, String> {
+    let mut lengths = BTreeSet::new();
+    for value in about.waveforms() {
+        let Some(length) = bits(Some(value)) else {
+            return Err(format!(
+                "only binary words can be recognized, and {} is none: use {{ suite = \"binary_words\", bits = … }}",
+                shown(value)
+            ));
         };
-        if found.is_some_and(|found| found != bits) {
-            return Err(
-                "words of several lengths are not recognized together: make a sweep of each"
-                    .to_owned(),
-            );
-        }
-        if !BITS.contains(&bits) {
+        if !BITS.contains(&length) {
             let (fewest, most) = (BITS.start(), BITS.end());
             return Err(format!(
-                "words of {bits} bits: there are classifiers of {fewest} … {most}"
+                "words of {length} bits: there are classifiers of {fewest} … {most}"
             ));
         }
-        found = Some(bits);
+        lengths.insert(length);
     }
-    found.ok_or_else(|| "there is no waveform to be recognized".to_owned())
+    Ok(lengths)
 }

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use granary_core::memory::classifier::ClassifierSpec;
 use granary_core::memory::score::Processing;
+use granary_core::memory::waveform::Waveform;
 use granary_core::model::Model;
 use granary_core::parameter::shown;
 use serde::{Deserialize, Serialize};
@@ -23,6 +24,9 @@ pub enum Reduction {
         over: Vec<String>,
         /// Ways to process a signal.
         processing: Vec<Processing>,
+        /// Whether the sweep has binary words of several lengths: those of each length are sets of their own.
+        #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+        by_length: bool,
     },
     /// Which words classifiers take the recalled signals of a set for; one set per processing.
     Recognition {
@@ -30,8 +34,11 @@ pub enum Reduction {
         over: Vec<String>,
         /// Ways to process a signal.
         processing: Vec<Processing>,
-        /// One for each training.
+        /// One for each training, of each length.
         classifiers: Vec<ClassifierSpec>,
+        /// As above.
+        #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+        by_length: bool,
     },
     /// Mean and its standard error of the points, or of the sets of the link before.
     MeanSem {
@@ -95,6 +102,21 @@ impl Reduction {
             }
             _ => None,
         }
+    }
+
+    /// Whether binary words of each length are sets of their own.
+    #[must_use]
+    pub fn by_length(&self) -> bool {
+        matches!(
+            self,
+            Self::GainFidelity {
+                by_length: true,
+                ..
+            } | Self::Recognition {
+                by_length: true,
+                ..
+            }
+        )
     }
 
     /// Whether the zero waveform must be recalled in every trained pack.
@@ -173,12 +195,15 @@ const LEAST_STRENGTHS: usize = 4;
 const SCALES: [&str; 3] = ["youngs_modulus", "delta0", "gamma0"];
 
 /// The model's usual chain, for a sweep with these axes.
-pub(crate) fn usual(model: Model, axes: &BTreeMap<&str, Vec<Value>>) -> Vec<Reduction> {
+pub(crate) fn usual(about: &About<'_>) -> Vec<Reduction> {
+    let (model, axes) = (about.model, about.axes);
+    let by_length = about.has_several_lengths();
     let mut chain = vec![];
     if model == Model::Memory {
         chain.push(Reduction::GainFidelity {
             over: vec!["waveform".to_owned()],
             processing: vec![Processing::Sub0],
+            by_length,
         });
     }
     if axes.contains_key("packing_seed") {
@@ -196,8 +221,12 @@ pub(crate) fn usual(model: Model, axes: &BTreeMap<&str, Vec<Value>>) -> Vec<Redu
 }
 
 /// What a study looks at where the spec does not say.
-pub(crate) fn before_study(model: Model) -> Vec<Reduction> {
-    usual(model, &BTreeMap::new())
+pub(crate) fn before_study(about: &About<'_>) -> Vec<Reduction> {
+    let without_axes = About {
+        axes: &BTreeMap::new(),
+        ..*about
+    };
+    usual(&without_axes)
 }
 
 /// The last link of a study's chain, whose other links are `before`.
@@ -240,6 +269,32 @@ pub(crate) struct About<'a> {
     pub(crate) grids: &'a [Vec<Axis>],
     /// The parameters without an axis.
     pub(crate) fixed: &'a Map<String, Value>,
+}
+
+impl About<'_> {
+    /// Every waveform of the sweep.
+    pub(crate) fn waveforms(&self) -> impl Iterator<Item = &Value> {
+        let of_grid = |grid: &'_ Vec<Axis>| grid.iter().all(|axis| axis.name != "waveform");
+        let fixed = self.fixed.get("waveform");
+        let fixed = fixed.filter(|_| self.grids.iter().any(of_grid));
+        let axes = self.grids.iter().flatten();
+        let axes = axes.filter(|axis| axis.name == "waveform");
+        axes.flat_map(|axis| &axis.values).chain(fixed)
+    }
+
+    fn has_several_lengths(&self) -> bool {
+        let mut lengths = self.waveforms().filter_map(|value| bits(Some(value)));
+        let first = lengths.next();
+        lengths.any(|length| Some(length) != first)
+    }
+}
+
+/// L of a binary word.
+pub(crate) fn bits(waveform: Option<&Value>) -> Option<u32> {
+    match Waveform::parse(waveform?) {
+        Ok(Waveform::BinaryWord { bits, .. }) => Some(u32::from(bits)),
+        _ => None,
+    }
 }
 
 /// Reads `[[reduce]]`.
@@ -314,7 +369,11 @@ fn link(value: &Value, about: &About<'_>, at: &str, mistakes: &mut Mistakes) -> 
         Kind::UltimateStrengthFit => Some(Reduction::UltimateStrengthFit { over }),
         Kind::GainFidelity => {
             let processing = processing(json!(["SUB0"]), mistakes)?;
-            Some(Reduction::GainFidelity { over, processing })
+            Some(Reduction::GainFidelity {
+                over,
+                processing,
+                by_length: about.has_several_lengths(),
+            })
         }
         Kind::Recognition => {
             let classifiers = recognition::read(table, &over, about, at, mistakes);
@@ -323,6 +382,7 @@ fn link(value: &Value, about: &About<'_>, at: &str, mistakes: &mut Mistakes) -> 
                 over,
                 processing,
                 classifiers: classifiers?,
+                by_length: about.has_several_lengths(),
             })
         }
     }

@@ -149,7 +149,7 @@ async fn recalled_words_are_recognized_and_their_scores_stand_beside() {
     for row in &recognized {
         // What comes back has exactly the stored shape.
         assert_eq!(row["results"]["recognition_accuracy"], 1.0, "{row}");
-        assert_eq!(row["results"]["recognition_accuracy_training_sem"], 0.0);
+        assert_eq!(row["results"]["recognition_accuracy_sem"], 0.0);
         assert!(
             row["results"]["validation_accuracy"].as_f64() > Some(0.95),
             "{row}"
@@ -175,6 +175,36 @@ async fn recalled_words_are_recognized_and_their_scores_stand_beside() {
     // Another sweep of these words asks the same networks.
     let again = fresh.submit(&words(1)).await;
     assert_eq!(again.jobs.new, 0);
+}
+
+#[tokio::test]
+async fn words_of_each_length_are_sets_of_their_own() {
+    let fresh = fresh().await;
+    let mut spec = words(1);
+    spec["grid"] =
+        json!([{"waveform": [{"suite": "binary_words", "bits": 3}, "binary_words/4/5"]}]);
+    spec["reduce"].as_array_mut().expect("a chain").pop();
+    let sweep = sweep_of(&fresh.submit(&spec).await);
+    fresh.work().await;
+    let sets = table(&fresh, sweep, "sets?sort=-bits").await;
+    let told: Vec<(&Value, &Value, &Value)> = sets["items"]
+        .as_array()
+        .expect("rows")
+        .iter()
+        .map(|row| (&row["reduce"], &row["parameters"]["bits"], &row["n"]))
+        .collect();
+    let (scored, recognized) = (json!("gain_fidelity"), json!("recognition"));
+    let (three, four, eight, one) = (json!(3), json!(4), json!(8), json!(1));
+    assert_eq!(
+        told,
+        [
+            (&scored, &four, &one),
+            (&recognized, &four, &one),
+            (&scored, &three, &eight),
+            (&recognized, &three, &eight),
+        ]
+    );
+    assert_eq!(table(&fresh, sweep, "sets?where=bits=4").await["total"], 2);
 }
 
 #[tokio::test]

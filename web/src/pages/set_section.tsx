@@ -10,7 +10,12 @@ import { Heading } from "./heading";
 /** Sets shown at a time. */
 const SHOWN = 100;
 const VERDICTS = "front: no other setting is cheaper and at least as accurate. incomplete: some packing has no result.";
-const NAMES: Record<string, string> = { gain_fidelity: "each packing", mean_sem: "means ± SEM", study: "settings" };
+const NAMES: Record<string, string> = {
+  gain_fidelity: "each packing",
+  recognition: "recognition",
+  mean_sem: "means ± SEM",
+  study: "settings",
+};
 
 export function SetSection({ sets, model }: { sets: Page<SetRow>; model: Model | undefined }) {
   const { all, chosen } = reductions(sets.items);
@@ -85,7 +90,7 @@ function Table({ rows, model }: { rows: SetRow[]; model: Model | undefined }) {
               <td class="number">{count(row.n)} of {count(row.of)}</td>
               <td class="remark">
                 {row.provisional && <span class="state running">provisional</span>}
-                {` ${[row.missing_reason, row.warning].filter(Boolean).join("; ")}`}
+                {` ${[row.missing_reason, row.warning, confused(row)].filter(Boolean).join("; ")}`}
               </td>
             </tr>
           ))}
@@ -93,6 +98,12 @@ function Table({ rows, model }: { rows: SetRow[]; model: Model | undefined }) {
       </table>
     </div>
   );
+}
+
+/** Which words a classifier took for others, in a few words. */
+function confused(row: SetRow): string | undefined {
+  const [first] = row.confused ?? [];
+  return first && `${count(row.confused?.length ?? 0)} confused, such as word ${first.word} taken for ${first.taken_for}`;
 }
 
 /** Whether a parameter tells scenes of a study apart; what settings differ in is told by their names. */
