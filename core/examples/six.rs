@@ -87,7 +87,7 @@ fn main() {
         let mut dots = Dots::default();
         for (signal, waveform) in signals.iter().zip(&waveforms).skip(1) {
             if let Some(p) = processing.apply(signal, Some(&signals[0])) {
-                dots += Dots::of(&p, &waveform.bumps(), signal.resolution);
+                dots += Dots::of(&p, &waveform.curve(), signal.resolution);
             }
         }
         println!(

@@ -200,7 +200,7 @@ fn held(share: f64) -> Option<Stop> {
     };
     let silent = Program {
         gamma0: 0.0,
-        bumps: Waveform::Zero.bumps(),
+        curve: Waveform::Zero.curve(),
     };
     let guard = Guard {
         parameter: "time_step",

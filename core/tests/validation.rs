@@ -68,7 +68,7 @@ fn score(point: &MemoryPoint, packed: &Outcome) -> (f64, f64) {
         let p = Processing::Sub0.apply(signal, Some(&signals[0]));
         dots += Dots::of(
             &p.expect("complete signals"),
-            &waveform.bumps(),
+            &waveform.curve(),
             signal.resolution,
         );
     }

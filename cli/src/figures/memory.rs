@@ -111,8 +111,8 @@ struct Recalled<'a> {
 impl Recalled<'_> {
     /// J at every sample.
     fn stored(&self) -> Vec<f64> {
-        let bumps = self.waveform.bumps();
-        (0..SAMPLES).map(|k| bumps.integral(sample_u(k))).collect()
+        let curve = self.waveform.curve();
+        (0..SAMPLES).map(|k| curve.integral(sample_u(k))).collect()
     }
 }
 
@@ -146,7 +146,7 @@ fn recalled(data: &Data, processing: Processing) -> Vec<Recalled<'_>> {
 fn scale(set: &[&Recalled<'_>]) -> Option<f64> {
     let mut dots = Dots::default();
     for one in set {
-        dots += Dots::of(&one.signal, &one.waveform.bumps(), None);
+        dots += Dots::of(&one.signal, &one.waveform.curve(), None);
     }
     (dots.j_j > 0.0).then(|| dots.j_p / dots.j_j)
 }

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::waveform::{Bumps, SAMPLES};
+use super::waveform::{Curve, SAMPLES};
 use crate::crew;
 use crate::guard::{Guard, Stop, alternation};
 use crate::lanes::dither;
@@ -81,7 +81,7 @@ pub struct Program {
     /// γ0.
     pub gamma0: f64,
     /// I(u).
-    pub bumps: Bumps,
+    pub curve: Curve,
 }
 
 /// A sequence of segments in one box.
@@ -124,7 +124,7 @@ impl Cycle {
     fn extent_at(&self, n: u64, program: &Program) -> Box2 {
         let (u, sheared) = self.locate(n);
         let gamma = if sheared {
-            program.gamma0 * program.bumps.shear(u)
+            program.gamma0 * program.curve.shear(u)
         } else {
             0.0
         };

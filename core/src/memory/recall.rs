@@ -138,7 +138,7 @@ fn programs(recalls: &Recalls<'_>) -> Vec<Program> {
         .iter()
         .map(|spec| Program {
             gamma0: spec.gamma0,
-            bumps: spec.waveform.bumps(),
+            curve: spec.waveform.curve(),
         })
         .collect()
 }
@@ -312,10 +312,10 @@ fn mean_pressure(samples: &[Sample]) -> f64 {
 ///
 /// The training compression, which carried no waveform, is subtracted first; `None` for the zero waveform.
 fn encode_correlation(spec: &RecallSpec, past: &Past, p_xy: &[f64]) -> Option<f64> {
-    let bumps = spec.waveform.bumps();
+    let curve = spec.waveform.curve();
     let (mut i_p, mut i_i, mut p_p) = (0.0, 0.0, 0.0);
     for (k, (p, background)) in p_xy.iter().zip(&past.unsheared).enumerate() {
-        let (i, p) = (bumps.shear(sample_u(k)), p - background);
+        let (i, p) = (curve.shear(sample_u(k)), p - background);
         i_p += i * p;
         i_i += i * i;
         p_p += p * p;

@@ -42,7 +42,7 @@ pub(crate) fn guard(critical_at_start: CriticalTimeStep, slices: Option<Slices>)
 pub(crate) fn silent() -> Program {
     Program {
         gamma0: 0.0,
-        bumps: Waveform::Zero.bumps(),
+        curve: Waveform::Zero.curve(),
     }
 }
 

@@ -4,7 +4,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::waveform::{Bumps, SAMPLES, sample_u};
+use super::waveform::{Curve, SAMPLES, sample_u};
 
 /// The raw boundary shear stress p_xy = p_x − p_y of one recall \[Pa\], at the 256 values of u from 0 to 1.
 ///
@@ -105,8 +105,8 @@ pub struct Dots {
 impl Dots {
     /// The dot products of a processed signal with the J of its waveform; `resolution` is that of [`Signal`].
     #[must_use]
-    pub fn of(p_sig: &[f64], bumps: &Bumps, resolution: Option<f64>) -> Self {
-        let j: Vec<f64> = (0..SAMPLES).map(|k| bumps.integral(sample_u(k))).collect();
+    pub fn of(p_sig: &[f64], curve: &Curve, resolution: Option<f64>) -> Self {
+        let j: Vec<f64> = (0..SAMPLES).map(|k| curve.integral(sample_u(k))).collect();
         Self {
             j_p: trapezoid(&j, p_sig),
             j_j: trapezoid(&j, &j),
@@ -239,8 +239,8 @@ mod tests {
     use crate::memory::waveform::Waveform;
 
     fn j_of(s: u8) -> Vec<f64> {
-        let bumps = Waveform::Six(s).bumps();
-        (0..SAMPLES).map(|k| bumps.integral(sample_u(k))).collect()
+        let curve = Waveform::Six(s).curve();
+        (0..SAMPLES).map(|k| curve.integral(sample_u(k))).collect()
     }
 
     /// A recall whose decompression holds `decode` over a background, and a second one with the background alone.
@@ -271,7 +271,7 @@ mod tests {
                 .map(|(k, j)| 2.0 * j + 0.02 * (k as f64 * 0.1).sin())
                 .collect();
             let p_sig = Processing::Sub2.apply(&recall(&p), None).expect("complete");
-            dots += Dots::of(&p_sig, &Waveform::Six(s).bumps(), Some(0.0));
+            dots += Dots::of(&p_sig, &Waveform::Six(s).curve(), Some(0.0));
             sets.push((j, p));
         }
         let score = Score::of(&dots, e, delta0, gamma0);
@@ -290,10 +290,10 @@ mod tests {
 
     #[test]
     fn zero_recall_and_zero_waveform_give_no_fidelity() {
-        let silent = Dots::of(&[0.0; SAMPLES], &Waveform::Six(1).bumps(), Some(0.0));
+        let silent = Dots::of(&[0.0; SAMPLES], &Waveform::Six(1).curve(), Some(0.0));
         assert_eq!(Score::of(&silent, 1.0, 0.05, 1e-3).fidelity, None);
         assert!(Score::missing_reason(&silent).is_some());
-        let zero = Dots::of(&[1.0; SAMPLES], &Waveform::Zero.bumps(), Some(0.0));
+        let zero = Dots::of(&[1.0; SAMPLES], &Waveform::Zero.curve(), Some(0.0));
         assert_eq!(Score::of(&zero, 1.0, 0.05, 1e-3).gain, None);
     }
 
@@ -308,7 +308,7 @@ mod tests {
     fn signals_of_a_few_last_digits_have_no_score_but_a_reason() {
         let p = j_of(1);
         let size = trapezoid(&p, &p).sqrt();
-        let of = |resolution: f64| Dots::of(&p, &Waveform::Six(1).bumps(), Some(resolution * size));
+        let of = |resolution: f64| Dots::of(&p, &Waveform::Six(1).curve(), Some(resolution * size));
         let fine = Score::of(&of(0.02), 1.0, 0.05, 1e-3);
         assert!((fine.rounding_error.expect("recalled") - 0.02).abs() < 1e-12);
         assert!(fine.gain.is_some() && Score::missing_reason(&of(0.02)).is_none());
@@ -320,7 +320,7 @@ mod tests {
 
     #[test]
     fn signals_of_an_engine_that_told_no_resolution_have_no_rounding_error_but_a_score() {
-        let dots = Dots::of(&j_of(1), &Waveform::Six(1).bumps(), None);
+        let dots = Dots::of(&j_of(1), &Waveform::Six(1).curve(), None);
         let score = Score::of(&dots, 1.0, 0.05, 1e-3);
         assert_eq!(score.rounding_error, None);
         assert!(score.gain.is_some() && Score::missing_reason(&dots).is_none());
@@ -345,7 +345,7 @@ mod tests {
                 .into_iter()
                 .map(|x| noise * size * 12_f64.sqrt() * x);
             let p: Vec<f64> = j.iter().zip(scatter).map(|(j, noise)| j + noise).collect();
-            Dots::of(&p, &Waveform::Six(1).bumps(), Some(0.0))
+            Dots::of(&p, &Waveform::Six(1).curve(), Some(0.0))
         };
         for (noise, told) in [(0.05, false), (0.2, true)] {
             let score = Score::of(&of(noise), 1.0, 0.05, 1e-3);
@@ -368,9 +368,9 @@ mod tests {
         // Sixteen bits of alternating sign are the finest word that is on offer.
         for word in ["six/6", "binary_words/10/682", "binary_words/16/43690"] {
             let waveform: Waveform = serde_json::from_value(word.into()).expect("a waveform");
-            let bumps = waveform.bumps();
-            let p: Vec<f64> = (0..SAMPLES).map(|k| bumps.integral(sample_u(k))).collect();
-            let score = Score::of(&Dots::of(&p, &bumps, Some(0.0)), 1.0, 0.05, 1e-3);
+            let curve = waveform.curve();
+            let p: Vec<f64> = (0..SAMPLES).map(|k| curve.integral(sample_u(k))).collect();
+            let score = Score::of(&Dots::of(&p, &curve, Some(0.0)), 1.0, 0.05, 1e-3);
             let noise = score.noise_to_signal.expect("recalled");
             assert!(noise < 0.005, "{word}: {noise}");
         }
@@ -381,7 +381,7 @@ mod tests {
         for sign in [1.0, -1.0] {
             let p: Vec<f64> = j_of(5).iter().map(|j| sign * 3.0 * j).collect();
             let score = Score::of(
-                &Dots::of(&p, &Waveform::Six(5).bumps(), Some(0.0)),
+                &Dots::of(&p, &Waveform::Six(5).curve(), Some(0.0)),
                 1.0,
                 1.0,
                 1.0,

@@ -1,6 +1,7 @@
 //! Waveforms: the shear I(u) that a pack is told, and its integral J(u) that it recalls.
 //!
-//! Every waveform is a sum of half-cycle cosine bumps (Eq. 6); J is its closed form (Eq. 10), never a numerical sum.
+//! The paper's waveforms are sums of half-cycle cosine bumps (Eq. 6), whose J is a closed form (Eq. 10); others are tables, straight
+//! from row to row, whose J is exact too.
 
 use std::fmt;
 
@@ -8,6 +9,10 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use serde_json::{Value, json};
 
 use crate::parameter::shown;
+
+mod sampled;
+
+pub use sampled::Sampled;
 
 /// The number of evenly spaced values of u, from 0 to 1, at which pressures are recorded (App. C).
 pub const SAMPLES: usize = 256;
@@ -37,6 +42,37 @@ pub enum Waveform {
     },
     /// A custom list of bumps.
     Bumps(Bumps),
+    /// A custom table.
+    Sampled(Sampled),
+}
+
+/// A waveform as a function of u.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Curve {
+    /// See [`Bumps`].
+    Bumps(Bumps),
+    /// See [`Sampled`].
+    Sampled(Sampled),
+}
+
+impl Curve {
+    /// I(u).
+    #[must_use]
+    pub fn shear(&self, u: f64) -> f64 {
+        match self {
+            Self::Bumps(bumps) => bumps.shear(u),
+            Self::Sampled(table) => table.shear(u),
+        }
+    }
+
+    /// J(u) = ∫₀ᵘ I(v) dv, exact.
+    #[must_use]
+    pub fn integral(&self, u: f64) -> f64 {
+        match self {
+            Self::Bumps(bumps) => bumps.integral(u),
+            Self::Sampled(table) => table.integral(u),
+        }
+    }
 }
 
 /// Words of fewer bits share no encoding: there would be little to share.
@@ -62,6 +98,22 @@ impl Waveform {
     pub fn parse(value: &Value) -> Result<Self, String> {
         match value {
             Value::String(name) => Self::parse_name(name),
+            Value::Object(table) if table.contains_key("csv") => match &table["csv"] {
+                Value::String(text) if table.len() == 1 => {
+                    Sampled::from_csv(text).map(Self::Sampled)
+                }
+                _ => Err(format!(
+                    "{} is not a table: {{ csv = \"…\" }} has lines of u and I",
+                    shown(value)
+                )),
+            },
+            Value::Object(table) if table.contains_key("u") || table.contains_key("shear") => {
+                let table: Sampled = serde_json::from_value(value.clone()).map_err(|error| {
+                    format!("{} is not a table of u and shear: {error}", shown(value))
+                })?;
+                table.check(|row| format!("row {}", row + 1))?;
+                Ok(Self::Sampled(table))
+            }
             Value::Object(_) => {
                 let bumps: Bumps = serde_json::from_value(value.clone())
                     .map_err(|error| format!("{} is not a list of bumps: {error}", shown(value)))?;
@@ -69,7 +121,7 @@ impl Waveform {
                 Ok(Self::Bumps(bumps))
             }
             _ => Err(format!(
-                "{} is not a waveform: a name or a table of bumps",
+                "{} is not a waveform: a name, a table of bumps, or one of u and shear",
                 shown(value)
             )),
         }
@@ -107,19 +159,20 @@ impl Waveform {
         }
     }
 
-    /// The canonical JSON: a name, or the table of bumps.
+    /// The canonical JSON: a name, or the table of bumps, or of u and shear.
     #[must_use]
     pub fn to_value(&self) -> Value {
         match self {
             Self::Bumps(bumps) => json!(bumps),
+            Self::Sampled(table) => json!(table),
             named => json!(named.to_string()),
         }
     }
 
-    /// The bumps that make up the waveform.
+    /// The waveform as a function of u.
     #[must_use]
-    pub fn bumps(&self) -> Bumps {
-        match self {
+    pub fn curve(&self) -> Curve {
+        Curve::Bumps(match self {
             Self::Zero => Bumps {
                 width: 0.2,
                 centers: vec![],
@@ -128,7 +181,8 @@ impl Waveform {
             Self::Six(s) => six(*s),
             Self::BinaryWord { bits, word } => binary_word(*bits, *word),
             Self::Bumps(bumps) => bumps.clone(),
-        }
+            Self::Sampled(table) => return Curve::Sampled(table.clone()),
+        })
     }
 
     /// The word with the same beginning whose last bits are zero, and the u up to which the two are the same waveform.
@@ -153,6 +207,7 @@ impl fmt::Display for Waveform {
             Self::Six(s) => write!(f, "six/{s}"),
             Self::BinaryWord { bits, word } => write!(f, "binary_words/{bits}/{word}"),
             Self::Bumps(bumps) => f.write_str(&json!(bumps).to_string()),
+            Self::Sampled(table) => f.write_str(&json!(table).to_string()),
         }
     }
 }
@@ -291,6 +346,8 @@ mod tests {
             word: 682,
         });
         all.push(Waveform::Zero);
+        let table = Sampled::from_csv("0,0\n0.3,1\n0.7,-1\n1,0.5").expect("a table");
+        all.push(Waveform::Sampled(table));
         all
     }
 
@@ -298,28 +355,28 @@ mod tests {
     fn integral_is_the_integral_of_the_shear() {
         // Midpoint rule with n = 20,000: error ≤ h²/24 · max|I''| ≤ (5e-5)²/24 · (π/δu)², below 1e-6 for δu ≥ 1/14.
         for waveform in all() {
-            let bumps = waveform.bumps();
+            let curve = waveform.curve();
             let h = 1.0 / 20_000.0;
             let mut sum = 0.0;
             for k in 0..20_000 {
-                sum += bumps.shear((f64::from(k) + 0.5) * h) * h;
+                sum += curve.shear((f64::from(k) + 0.5) * h) * h;
                 let u = (f64::from(k) + 1.0) * h;
-                assert!((sum - bumps.integral(u)).abs() < 1e-6, "{waveform} at {u}");
+                assert!((sum - curve.integral(u)).abs() < 1e-6, "{waveform} at {u}");
             }
         }
     }
 
     #[test]
     fn words_are_their_beginnings_up_to_where_they_part() {
-        for bits in [5, 7, 10] {
+        for bits in [5_u8, 7, 10] {
             for word in 0..1 << bits {
                 let parts_at_once = word >> (OPEN_BITS - 1) & 1 == 1;
                 let word = Waveform::BinaryWord { bits, word };
                 let (beginning, until) = word.beginning().expect("a long word");
-                let (word, beginning) = (word.bumps(), beginning.bumps());
+                let (word, beginning) = (word.curve(), beginning.curve());
                 let same = |u: f64| word.shear(u).to_bits() == beginning.shear(u).to_bits();
                 assert!((0..1000).all(|k| same(f64::from(k) / 1000.0 * (until - 1e-9))));
-                assert_eq!(same(until + 0.1 * word.width), !parts_at_once);
+                assert_eq!(same(until + 0.1 / f64::from(bits + 4)), !parts_at_once);
             }
         }
         assert_eq!(Waveform::Six(1).beginning(), None);
@@ -329,16 +386,16 @@ mod tests {
     #[test]
     fn integral_of_a_word_follows_its_bits_and_ends_at_zero() {
         // J is ±δu/π at the middle of each bit: the 3-bit word 001 reads −, −, + (Fig. 5b).
-        let bumps = Waveform::BinaryWord { bits: 3, word: 1 }.bumps();
+        let curve = Waveform::BinaryWord { bits: 3, word: 1 }.curve();
         let unit = 1.0 / 7.0;
         for (b, sign) in [(0.0, -1.0), (1.0, -1.0), (2.0, 1.0)] {
-            let value = bumps.integral((2.0 + b + 0.5) * unit);
+            let value = curve.integral((2.0 + b + 0.5) * unit);
             assert!(
                 (value - sign * unit / std::f64::consts::PI).abs() < 1e-15,
                 "{value}"
             );
         }
-        assert!(bumps.integral(1.0).abs() < 1e-16);
+        assert!(curve.integral(1.0).abs() < 1e-16);
     }
 
     #[test]
@@ -364,6 +421,12 @@ mod tests {
             json!({"width": 0.2, "centers": [0.5, 0.6], "amplitudes": [1, 1]}),
             json!({"width": 0.2, "centers": [0.5], "amplitudes": [1.5]}),
             json!({"width": 0.2, "centers": [0.5], "amplitudes": [1], "heigth": 1}),
+            json!({"u": [0.0, 1.0], "shear": [0.0]}),
+            json!({"u": [0.0, 0.5], "shear": [0.0, 0.0]}),
+            json!({"u": [0.0, 1.0], "shear": [0.0, 2.0]}),
+            json!({"shear": [0.0, 0.0]}),
+            json!({"csv": 3}),
+            json!({"csv": "0,0\n1,0", "u": [0.0]}),
         ];
         for value in wrong {
             assert!(Waveform::parse(&value).is_err(), "{value}");

@@ -242,7 +242,7 @@ fn recalled(point: &MemoryPoint, packed: &Outcome) -> Result<Recalled, String> {
         let signal = signal(outcome);
         let processed = Processing::Sub0.apply(&signal, Some(&zero));
         let processed = processed.expect("complete signals");
-        dots += Dots::of(&processed, &waveform.bumps(), signal.resolution);
+        dots += Dots::of(&processed, &waveform.curve(), signal.resolution);
     }
     let score = Score::of(&dots, point.youngs_modulus, point.delta0, point.gamma0);
     let number = |name: &str| {

@@ -285,7 +285,7 @@ impl Store {
         let signal = self.signal(&artifact).await?;
         let dots = processing
             .apply(&signal, background)
-            .map(|p_sig| Dots::of(&p_sig, &recall.waveform.bumps(), signal.resolution));
+            .map(|p_sig| Dots::of(&p_sig, &recall.waveform.curve(), signal.resolution));
         if let Some(dots) = dots {
             self.inner.dots.put(key, dots);
         }

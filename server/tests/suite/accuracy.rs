@@ -33,8 +33,8 @@ fn hasty(spec: &StageSpec) -> Outcome {
     };
     let sum: u32 = recall.train.to_string().bytes().map(u32::from).sum();
     let off = 180.0 / recall.ramp * (1.0 + 0.01 * f64::from(sum % 2));
-    let bumps = recall.waveform.bumps();
-    let p = |u: f64| -GAIN_E_DELTA0 * (1.0 + off) * recall.gamma0 * bumps.integral(u);
+    let curve = recall.waveform.curve();
+    let p = |u: f64| -GAIN_E_DELTA0 * (1.0 + off) * recall.gamma0 * curve.integral(u);
     let decode: Vec<f64> = (0..SAMPLES).map(sample_u).map(p).collect();
     let signal = Signal {
         encode: decode.clone(),

@@ -223,9 +223,9 @@ pub(crate) fn outcome(spec: &StageSpec) -> Outcome {
     }
     let (name, bytes) = match spec {
         StageSpec::Recall(recall) => {
-            let bumps = recall.waveform.bumps();
+            let curve = recall.waveform.curve();
             let background = |u: f64| 3000.0 - 1000.0 * u;
-            let p = |u: f64| background(u) - GAIN_E_DELTA0 * recall.gamma0 * bumps.integral(u);
+            let p = |u: f64| background(u) - GAIN_E_DELTA0 * recall.gamma0 * curve.integral(u);
             let us = || (0..SAMPLES).map(sample_u);
             let second = if recall.second_cycle {
                 us().map(background).collect()

@@ -17,18 +17,18 @@ impl<'a> Signals<'a> {
     pub(crate) fn new(spec: &'a ClassifierSpec) -> Self {
         let bits = spec.bits as u8;
         let words =
-            (0..spec.words() as u32).map(|word| Waveform::BinaryWord { bits, word }.bumps());
+            (0..spec.words() as u32).map(|word| Waveform::BinaryWord { bits, word }.curve());
         let words: Vec<_> = words.collect();
         let size: f64 = words
             .iter()
-            .flat_map(|bumps| (0..SAMPLES).map(|k| bumps.integral(sample_u(k)).abs()))
+            .flat_map(|curve| (0..SAMPLES).map(|k| curve.integral(sample_u(k)).abs()))
             .sum();
         let unit = (words.len() * SAMPLES) as f64 / size;
         let mut shifted = Vec::with_capacity(words.len() * spec.shifts as usize * SAMPLES);
-        for bumps in &words {
+        for curve in &words {
             for k in 0..spec.shifts {
                 let shift = evenly(k, spec.shifts, spec.largest_shift);
-                let j = (0..SAMPLES).map(|k| unit * bumps.integral(sample_u(k) - shift));
+                let j = (0..SAMPLES).map(|k| unit * curve.integral(sample_u(k) - shift));
                 shifted.extend(j.map(|j| j as f32));
             }
         }
@@ -135,8 +135,8 @@ mod tests {
         assert!((size / (all.len() * SAMPLES) as f64 - 1.0).abs() < 1e-5);
         // The middle shift and factor of word 5 is J itself.
         let middle = 5 + 8 * (spec.shifts / 2 + spec.shifts * (spec.amplitudes / 2));
-        let bumps = Waveform::BinaryWord { bits: 3, word: 5 }.bumps();
-        let j: Vec<f64> = (0..SAMPLES).map(|k| bumps.integral(sample_u(k))).collect();
+        let curve = Waveform::BinaryWord { bits: 3, word: 5 }.curve();
+        let j: Vec<f64> = (0..SAMPLES).map(|k| curve.integral(sample_u(k))).collect();
         let ratio = f64::from(all[middle as usize][100]) / j[100];
         for (x, j) in all[middle as usize].iter().zip(&j) {
             assert!((f64::from(*x) - ratio * j).abs() < 1e-6);

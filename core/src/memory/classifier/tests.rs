@@ -62,9 +62,9 @@ fn interrupted(spec: &ClassifierSpec, step: u64) -> Vec<u8> {
 
 /// J of a word, as a pack might return it.
 fn recalled(bits: u8, word: u32, size: f64) -> Vec<f64> {
-    let bumps = Waveform::BinaryWord { bits, word }.bumps();
+    let curve = Waveform::BinaryWord { bits, word }.curve();
     (0..SAMPLES)
-        .map(|k| size * bumps.integral(sample_u(k)))
+        .map(|k| size * curve.integral(sample_u(k)))
         .collect()
 }
 
