@@ -6,11 +6,15 @@ use std::path::Path;
 
 use anyhow::Context;
 use granary_api::problem::Mistake;
-use serde_json::{Map, Number, Value};
+use granary_core::memory::waveform::Sampled;
+use serde_json::{Map, Number, Value, json};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use crate::failure::Failure;
+
+/// The largest table of a waveform.
+const MOST_TABLE_BYTES: u64 = 1 << 20;
 
 /// Elements of an array beyond this one are found by the line of the array.
 const MOST_LINES: usize = 1000;
@@ -64,7 +68,14 @@ impl SpecFile {
         };
         let text = text.with_context(|| format!("cannot read the spec {name}"))?;
         let json = path.extension().is_some_and(|end| end == "json") || text.starts_with('{');
-        Ok(Self::parse(name, &text, json)?)
+        let mut file = Self::parse(name, &text, json)?;
+        let mut mistakes = vec![];
+        let beside = path.parent().unwrap_or(Path::new(""));
+        inline(&mut file.value, ("", false), beside, &mut mistakes);
+        if mistakes.is_empty() {
+            return Ok(file);
+        }
+        Err(file.bad(mistakes).into())
     }
 
     /// Reads `text`; every value that JSON cannot hold is a mistake.
@@ -124,6 +135,61 @@ impl SpecFile {
             pointer = &pointer[..pointer.rfind('/')?];
         }
     }
+}
+
+/// Puts tables in place of `waveform = { file = "…" }`, whose paths are those beside the spec.
+fn inline(
+    value: &mut Value,
+    (pointer, is_waveform): (&str, bool),
+    beside: &Path,
+    mistakes: &mut Vec<Mistake>,
+) {
+    match value {
+        Value::Array(items) => {
+            for (k, item) in items.iter_mut().enumerate() {
+                inline(
+                    item,
+                    (&format!("{pointer}/{k}"), is_waveform),
+                    beside,
+                    mistakes,
+                );
+            }
+        }
+        Value::Object(table) if is_waveform => {
+            let named = table.get("file").and_then(Value::as_str);
+            let Some(path) = named.filter(|_| table.len() == 1) else {
+                return;
+            };
+            match table_file(&beside.join(path)) {
+                Ok(text) => *value = json!({"csv": text}),
+                Err(detail) => mistakes.push(Mistake {
+                    pointer: pointer.to_owned(),
+                    detail: format!("{path}: {detail}"),
+                }),
+            }
+        }
+        Value::Object(table) => {
+            for (name, item) in table {
+                let inner = format!("{pointer}/{name}");
+                inline(item, (&inner, name == "waveform"), beside, mistakes);
+            }
+        }
+        _ => {}
+    }
+}
+
+/// The text of a table of u and I, if it is one that the server would take.
+fn table_file(path: &Path) -> Result<String, String> {
+    let size = std::fs::metadata(path)
+        .map_err(|error| error.to_string())?
+        .len();
+    if size > MOST_TABLE_BYTES {
+        return Err(format!(
+            "{size} bytes: there may be at most {MOST_TABLE_BYTES}"
+        ));
+    }
+    let text = std::fs::read_to_string(path).map_err(|error| error.to_string())?;
+    Sampled::from_csv(&text).map(|_| text)
 }
 
 fn not_readable(file: String, line: usize, message: &str) -> Failure {
@@ -222,7 +288,6 @@ impl TomlReader {
 mod tests {
     use super::*;
     use granary_server::sweep::{Limits, Plan};
-    use serde_json::json;
 
     const SPEC: &str = "name = \"x\"\n[fixed]\ngrains = 0\ndelta0 = 5e-2\n\n[[grid]]\nwaveform = { suite = \"six\" }\npacking_seed = [1,\n  2, 3]\n";
 
@@ -298,5 +363,32 @@ mod tests {
         let failure = SpecFile::parse("a.json".to_owned(), "{\n\"name\": }", true);
         let failure = failure.expect_err("no JSON");
         assert!(failure.to_string().contains("a.json:2"), "{failure}");
+    }
+
+    #[test]
+    fn tables_beside_a_spec_are_read_with_it_and_wrong_ones_are_named() {
+        let place = tempfile::tempdir().expect("a directory");
+        let write = |name: &str, text: &str| {
+            std::fs::write(place.path().join(name), text).expect("a file");
+        };
+        write("ramp.csv", "u,I\n0,0\n1,1\n");
+        write("bad.csv", "0,0\n0.5,2\n1,0\n");
+        let spec = |waveform: &str| {
+            write(
+                "sweep.toml",
+                &format!("model = \"memory\"\n[fixed]\nwaveform = {waveform}\n"),
+            );
+            SpecFile::read(&place.path().join("sweep.toml"))
+        };
+        let read = spec("[\"six/1\", { file = \"ramp.csv\" }]").expect("a spec");
+        assert_eq!(read.value["fixed"]["waveform"][1]["csv"], "u,I\n0,0\n1,1\n");
+        let told = |waveform: &str| spec(waveform).expect_err("a bad table").to_string();
+        let bad = told("{ file = \"bad.csv\" }");
+        assert!(
+            bad.contains("sweep.toml:3") && bad.contains("bad.csv: line 2: I = 2"),
+            "{bad}"
+        );
+        let gone = told("{ file = \"gone.csv\" }");
+        assert!(gone.contains("gone.csv: No such file"), "{gone}");
     }
 }

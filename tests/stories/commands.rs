@@ -301,6 +301,7 @@ fn examples_are_valid_and_count_what_they_say() {
         ("demo", 54, 0),
         ("six-325", 6, 0),
         ("words-3", 24, 0),
+        ("words-7", 136, 0),
         ("big-standard", 6, 0),
         ("big-paper", 6, 0),
         ("spheres", 72, 1),

@@ -19,6 +19,40 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/figures": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** The figures that there are. */
+        get: operations["list_figures"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/figures/{name}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** The sweep behind one. */
+        get: operations["read_figure"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/healthz": {
         parameters: {
             query?: never;
@@ -440,6 +474,24 @@ export interface components {
             /** @description One per finished job; all are recorded, or none. */
             outcomes: components["schemas"]["JobOutcome"][];
         };
+        /** @description A word that was taken for another. */
+        Confused: {
+            /**
+             * Format: int32
+             * @description The word that the recalled signal was taken for.
+             */
+            taken_for: number;
+            /**
+             * Format: int32
+             * @description By how many trainings of the classifier.
+             */
+            trainings: number;
+            /**
+             * Format: int32
+             * @description The word that was stored.
+             */
+            word: number;
+        };
         /** @description One event of `GET /sweeps/{id}/events`. */
         Event: {
             /** @description RFC 3339. */
@@ -476,6 +528,26 @@ export interface components {
         FailureReport: {
             /** @description One per failed job. */
             failures: components["schemas"]["JobFailure"][];
+        };
+        /** @description A figure or table. */
+        Figure: {
+            /** @description The experiment. */
+            model: string;
+            /** @description What commands and paths call it. */
+            name: string;
+            /** @description Its sizes, from a draft for a laptop to the paper's own. */
+            presets: string[];
+            /** @description What it shows, in a few words. */
+            shows: string;
+        };
+        /** @description The sweep behind a figure. */
+        FigureSpec: {
+            /** @description The figure. */
+            figure: components["schemas"]["Figure"];
+            /** @description The spec, as `POST /sweeps` takes it. */
+            spec: Record<string, unknown>;
+            /** @description The same as TOML, with its comments. */
+            toml: string;
         };
         /** @description `POST /leases/{lease}/heartbeat`: I live, and this is how far I am. */
         Heartbeat: {
@@ -698,6 +770,27 @@ export interface components {
             sentence: string;
         };
         /** @description Part of a list. */
+        Page_Figure: {
+            /** @description The rows. */
+            items: {
+                /** @description The experiment. */
+                model: string;
+                /** @description What commands and paths call it. */
+                name: string;
+                /** @description Its sizes, from a draft for a laptop to the paper's own. */
+                presets: string[];
+                /** @description What it shows, in a few words. */
+                shows: string;
+            }[];
+            /** @description What `cursor` asks for the rows after these; none at the end. */
+            next?: string | null;
+            /**
+             * Format: int64
+             * @description Rows in all, on every page, after `where`.
+             */
+            total: number;
+        };
+        /** @description Part of a list. */
         Page_LogLine: {
             /** @description The rows. */
             items: {
@@ -777,6 +870,8 @@ export interface components {
         Page_SetRow: {
             /** @description The rows. */
             items: {
+                /** @description Words that a classifier took for others, those that most trainings confuse first. */
+                confused?: components["schemas"]["Confused"][];
                 /**
                  * @description Why a number is `null`; once nothing is still to come, also why `n` is less than `of`.
                  *
@@ -1086,6 +1181,8 @@ export interface components {
         Scalar: number | string | null;
         /** @description One row of a reduction: points, or other sets, taken together. */
         SetRow: {
+            /** @description Words that a classifier took for others, those that most trainings confuse first. */
+            confused?: components["schemas"]["Confused"][];
             /**
              * @description Why a number is `null`; once nothing is still to come, also why `n` is less than `of`.
              *
@@ -1352,6 +1449,63 @@ export interface operations {
                 content: {
                     "application/json": components["schemas"]["Problem"];
                 };
+            };
+        };
+    };
+    list_figures: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Page_Figure"];
+                };
+            };
+        };
+    };
+    read_figure: {
+        parameters: {
+            query?: {
+                /** @description A preset of its model; `draft` without. */
+                preset?: string;
+                /** @description Packings of each combination, 1 to 1,000; one without. */
+                packings?: number;
+            };
+            header?: never;
+            path: {
+                name: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["FigureSpec"];
+                };
+            };
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
             };
         };
     };

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 /// The most rows of a table.
-const MAX_ROWS: usize = 10_000;
+const MAX_ROWS: usize = 2000;
 
 /// I(u) at rising u from 0 to 1, and on the straight line between two rows.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
