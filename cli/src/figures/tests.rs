@@ -1,6 +1,7 @@
 use std::collections::BTreeMap;
 
 use granary_api::table::{PointRow, SetRow};
+use granary_core::memory::waveform::{SAMPLES, Waveform, sample_u};
 use serde_json::{Value, json};
 
 use super::contact::CONTACTS;
@@ -367,4 +368,81 @@ fn figures_of_one_contact_are_drawn_without_a_sweep() {
     assert!((printed - expected).abs() < 1e-12, "{printed} {expected}");
     let ours = last_but_end(&slices[1], "Q = 100");
     assert!((ours - full).abs() < 1e-12, "{ours}");
+}
+
+/// A mean over packings.
+fn mean_of(parameters: &Value, processing: &str, results: &Value) -> SetRow {
+    let row = json!({"set": 0, "reduce": "mean_sem", "processing": processing, "parameters": parameters,
+        "results": results, "n": 3, "of": 3, "provisional": false});
+    serde_json::from_value(row).expect("a set")
+}
+
+#[test]
+fn memory_figures_show_means_beside_what_was_published() {
+    let fidelity = |mu: f64, value: f64| {
+        let results = json!({"fidelity": value, "fidelity_sem": 0.01});
+        mean_of(&json!({"friction_coefficient": mu}), "SUB0", &results)
+    };
+    let data = Data {
+        sets: vec![fidelity(1.0, 0.9), fidelity(0.0, 0.05)],
+        ..Data::default()
+    };
+    let drawing = drawn("memory-8", &data);
+    let curves = &chart(&drawing, 0).curves;
+    let own: Vec<[f64; 2]> = curves[0].dots.iter().map(|dot| [dot.x, dot.y]).collect();
+    assert_eq!(own, [[0.0, 0.05], [1.0, 0.9]]);
+    assert_eq!(curves[0].dots[0].error, Some(0.01));
+    let published: Vec<f64> = curves[1].dots.iter().map(|dot| dot.x).collect();
+    assert_eq!(published, [0.0, 0.4, 1.0]);
+    // (0.5236 + 0.5392 + 0.5438 + 0.5231 + 0.5177)/5, from the file by hand.
+    assert!((curves[1].dots[1].y - 0.529_48).abs() < 1e-12);
+    let words = |bits: u32, processing: &str, results: &Value| {
+        mean_of(&json!({"bits": bits}), processing, results)
+    };
+    let data = Data {
+        sets: vec![
+            words(7, "SUB2-BL", &json!({"fidelity": 0.7})),
+            words(3, "SUB2-BL", &json!({"fidelity": 0.8})),
+            words(3, "SUB0", &json!({"fidelity": 0.75})),
+            words(3, "SUB2-BL", &json!({"recognition_accuracy": 1.0})),
+        ],
+        ..Data::default()
+    };
+    let drawing = drawn("memory-14", &data);
+    let lengths: Vec<Vec<f64>> = chart(&drawing, 0)
+        .curves
+        .iter()
+        .map(|curve| curve.dots.iter().map(|dot| dot.x).collect())
+        .collect();
+    assert_eq!(lengths, [vec![3.0], vec![], vec![3.0, 7.0], vec![3.0]]);
+}
+
+#[test]
+fn recalled_signals_are_scaled_to_what_was_stored() {
+    // Two signals that come back 5 Pa per unit of J, on a background that the zero waveform has too.
+    let waveforms = ["six/1", "six/4", "zero"];
+    let mut data = Data::default();
+    for (number, name) in (0..).zip(waveforms) {
+        data.points.push(point(
+            number,
+            &json!({"waveform": name, "packing_seed": 1}),
+            &json!({}),
+        ));
+        let curve = Waveform::parse(&json!(name)).expect("a waveform").curve();
+        let decode = (0..SAMPLES).map(|k| 100.0 - 5.0 * curve.integral(sample_u(k)));
+        let signal =
+            json!({"encode": [], "decode": decode.collect::<Vec<f64>>(), "second_decode": []});
+        let signal = serde_json::from_value(signal).expect("a signal");
+        data.signals.insert(number, signal);
+    }
+    let drawing = drawn("memory-6", &data);
+    assert_eq!(drawing.panels.len(), 2, "the zero waveform is no signal");
+    for panel in 0..2 {
+        let [recalled, stored] = &chart(&drawing, panel).curves[..] else {
+            panic!("two curves");
+        };
+        for (a, b) in recalled.dots.iter().zip(&stored.dots) {
+            assert!((a.y - b.y).abs() < 1e-12, "{} {}", a.y, b.y);
+        }
+    }
 }
