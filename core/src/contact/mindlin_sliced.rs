@@ -6,7 +6,7 @@
 //! width, which is dq below the outermost slice and √p − j_p dq in that. A falling overlap weakens the outermost slice by its
 //! live width and drops those beyond, so that the stiffness is k_M √p exactly, and what is sheared at one overlap and released
 //! at that overlap is not affected by what was beyond. (As printed, the force of equal densities is dq(x_p − ½)f instead of
-//! √p f; [`super::path::printed`] is that.)
+//! √p f; [`super::path::Printed`] is that.)
 //!
 //! Every slice below the outermost takes the same increments of density, so its content is known from G, their sum so far:
 //! with S_j the content of all slices below j, P_j = S_j − j dq G does not change while slice j − 1 is filled.
