@@ -300,6 +300,28 @@ mod tests {
     }
 
     #[test]
+    fn what_would_take_too_much_memory_has_fewer_replicas() {
+        let lanes = |grains: u32, force_law: &str, precision: &str| {
+            let mut map = Model::Memory.defaults("standard").expect("a preset");
+            map.insert("grains".to_owned(), grains.into());
+            map.insert("force_law".to_owned(), force_law.into());
+            map.insert("precision".to_owned(), precision.into());
+            let stages = Model::Memory.point(map).expect("a point").stages();
+            let (last, before) = stages.split_last().expect("three stages");
+            assert!(
+                last.work(before).bytes <= 10 << 30,
+                "{force_law} {precision}"
+            );
+            (last.lanes(before), last.max_lanes())
+        };
+        assert_eq!(lanes(10_240, "H", "f32"), (16, 16));
+        assert_eq!(lanes(1024, "M2", "f32"), (16, 16));
+        assert_eq!(lanes(10_240, "M2", "f32"), (8, 16));
+        assert_eq!(lanes(10_240, "M2", "f64"), (8, 8));
+        assert_eq!(lanes(20_480, "M2", "f64"), (1, 8));
+    }
+
+    #[test]
     fn choices_are_allowed_and_rise_in_cost_to_the_reference() {
         for model in Model::ALL {
             let choices = model.choices();

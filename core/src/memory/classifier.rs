@@ -111,7 +111,7 @@ impl ClassifierSpec {
         let weights = 4 * (hidden * (super::waveform::SAMPLES as u64 + hidden + words + 2) + words);
         let table = 4 * words * u64::from(self.shifts) * super::waveform::SAMPLES as u64;
         // The network, a checkpoint of it in the making, and the order of the signals, as they are split and as they are learned.
-        (8 << 20) + 3 * weights + table + 8 * self.signals()
+        (16 << 20) + 3 * weights + table + 8 * self.signals()
     }
 
     /// That there is such a classifier.

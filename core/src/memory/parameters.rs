@@ -217,7 +217,7 @@ pub const PARAMETERS: &[Parameter] = &[
         section: Section::Fixed,
         domain: Domain::Notation(canonical_waveform),
         default: Text("zero"),
-        sentence: "The waveform to store: zero, six/1 … six/6, binary_words/L/WORD, or a table of bumps.",
+        sentence: "The waveform to store: zero, six/1 … six/6, binary_words/L/WORD, a table of bumps, or one of u and shear.",
     },
     Parameter::real(
         Section::Numerics,

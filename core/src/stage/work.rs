@@ -12,6 +12,9 @@ use crate::scene::FARTHEST_SKIN;
 /// What an ensemble holds however few its grains \[bytes\]: samples, signals and results of all replicas.
 const BESIDES: u64 = 2 << 20;
 
+/// An ensemble that would take more than this has fewer replicas.
+const MOST_BYTES: u64 = 10 << 30;
+
 /// The size of a stage's work.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Work {
@@ -53,7 +56,7 @@ impl StageSpec {
         let steps = self.steps(before);
         let (grains, bytes) = match before.first().unwrap_or(self) {
             Self::Pack(pack) => {
-                let bytes = self.bytes(pack, self.training(before));
+                let bytes = self.bytes(pack, self.training(before), self.lanes(before));
                 (u64::from(pack.grains), bytes)
             }
             Self::Grow(grow) => (grow.predicted_bodies(), grow.predicted_bytes()),
@@ -69,6 +72,23 @@ impl StageSpec {
             steps,
             bytes: bytes.saturating_add(kept),
         }
+    }
+
+    /// Replicas of the ensemble that the stage runs in: as many as vectors have room for, or fewer where these would take more than
+    /// 10 GiB (law M2 in large packs).
+    #[must_use]
+    pub fn lanes(&self, before: &[Self]) -> usize {
+        let widths: &[usize] = match self.max_lanes() {
+            16 => &[16, 8],
+            8 => &[8, 1],
+            _ => &[1],
+        };
+        let Some(Self::Pack(pack)) = before.first() else {
+            return widths[0];
+        };
+        let fits = |lanes: usize| self.bytes(pack, self.training(before), lanes) <= MOST_BYTES;
+        let fitting = widths.iter().copied().find(|&lanes| fits(lanes));
+        fitting.unwrap_or(widths[widths.len() - 1])
     }
 
     /// The training that the stage is, or comes after.
@@ -110,20 +130,21 @@ impl StageSpec {
         format!("{}/{shape}/{precision}{law}", kind.name())
     }
 
-    /// Memory of an ensemble of the memory experiment in `pack` \[bytes\], not to be exceeded (`core/tests/random_specs.rs`).
-    fn bytes(&self, pack: &PackSpec, train: Option<&TrainSpec>) -> u64 {
-        let (scalar, lanes, skin) = match self {
+    /// Memory of an ensemble of so many replicas in `pack` \[bytes\], not to be exceeded (`core/tests/random_specs.rs`).
+    fn bytes(&self, pack: &PackSpec, train: Option<&TrainSpec>, lanes: usize) -> u64 {
+        let lanes = lanes as u64;
+        let (scalar, skin) = match self {
             Self::Recall(RecallSpec {
                 precision, skin, ..
             })
             | Self::Encode(EncodeSpec {
                 precision, skin, ..
             }) => match precision {
-                Precision::F32 => (4, 16, *skin),
-                Precision::F64 => (8, 8, *skin),
+                Precision::F32 => (4, *skin),
+                Precision::F64 => (8, *skin),
             },
-            Self::Train(spec) => (8, 1, spec.skin.max(FARTHEST_SKIN)),
-            _ => (8, 1, FARTHEST_SKIN),
+            Self::Train(spec) => (8, spec.skin.max(FARTHEST_SKIN)),
+            _ => (8, FARTHEST_SKIN),
         };
         let (components, slices) = match train.map(|train| (train.force_law, train.slices)) {
             None | Some((ForceLaw::H, _)) => (3, 0),
@@ -138,8 +159,8 @@ impl StageSpec {
         // find, in room that grows by doubling.
         let stacks = if slices > 0 { 24 } else { 0 };
         let candidate = 2 * (4 * scalar + 13 + components * scalar * lanes + stacks) + 40;
-        // Slices of all that touch, and of a checkpoint, which keeps them in words and in bytes.
-        let touching = candidates(pack, 0.0) as u64 * slices * 2 * (scalar * lanes + 24 * lanes);
+        // Slices of all that touch; of a checkpoint, its bytes, and one replica's words and bytes in room that grows by doubling.
+        let touching = candidates(pack, 0.0) as u64 * slices * 2 * ((scalar + 8) * lanes + 32);
         // State and sums, what they were before; a checkpoint; what is the same for all lanes.
         let grain = lanes * (40 * scalar + 700) + 1_500;
         // A copy of a trained pack is struck and listened to.

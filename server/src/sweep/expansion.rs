@@ -150,13 +150,17 @@ impl<'a> Expansion<'a> {
         let choice = Choice::of(self.plan.model, self.axes(), self.trunk, self.leaf);
         let mut trunk = match self.current.take() {
             Some(trunk) => trunk,
-            None => self.plant(&choice, chunk),
+            None => {
+                let trunk = self.plant(&choice, chunk);
+                self.warn(trunk.narrowed());
+                trunk
+            }
         };
         let parameters = self.parameters(&choice);
         if self.is_new(&parameters) {
             let mut point = trunk.point.clone();
             choice.set_leaves(self.axes(), &mut point);
-            self.warn(&point);
+            self.warn(point.warnings());
             let (beginning, spec) = point.ends(trunk.needs);
             if let Some(beginning) = beginning {
                 trunk.begin(beginning, chunk);
@@ -256,8 +260,8 @@ impl<'a> Expansion<'a> {
         seen.insert(short)
     }
 
-    fn warn(&mut self, point: &ModelPoint) {
-        for warning in point.warnings() {
+    fn warn(&mut self, warnings: impl IntoIterator<Item = String>) {
+        for warning in warnings {
             if self.warnings.len() < MOST_WARNINGS && !self.warnings.contains(&warning) {
                 self.warnings.push(warning);
             }
@@ -266,6 +270,18 @@ impl<'a> Expansion<'a> {
 }
 
 impl Trunk {
+    /// Says so if its ensembles hold fewer replicas than vectors have room for.
+    fn narrowed(&self) -> Option<String> {
+        let (_, last) = self.point.bare().ends(self.needs);
+        let (lanes, most) = (last.lanes(&self.before), last.max_lanes());
+        (lanes < most).then(|| {
+            format!(
+                "{lanes} replicas side by side instead of {most}, which would take more than 10 GiB; recalls take up to {} times as long",
+                most / lanes
+            )
+        })
+    }
+
     /// Queues what some of its last stages share, once.
     fn begin(&mut self, beginning: StageSpec, chunk: &mut Chunk) {
         let id = beginning.id();
@@ -337,7 +353,7 @@ fn new_ensemble(key: StageId, spec: &StageSpec, before: &[StageSpec]) -> NewEnse
         key,
         kind: spec.kind(),
         class: spec.class(before),
-        lanes: spec.max_lanes(),
+        lanes: spec.lanes(before),
         work: spec.work(before),
     }
 }
