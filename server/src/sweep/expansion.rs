@@ -148,13 +148,12 @@ impl<'a> Expansion<'a> {
     /// Adds the point at hand, and the jobs of its trunk if it is the first there.
     fn point(&mut self, chunk: &mut Chunk) {
         let choice = Choice::of(self.plan.model, self.axes(), self.trunk, self.leaf);
-        let mut trunk = match self.current.take() {
-            Some(trunk) => trunk,
-            None => {
-                let trunk = self.plant(&choice, chunk);
-                self.warn(trunk.narrowed());
-                trunk
-            }
+        let mut trunk = if let Some(trunk) = self.current.take() {
+            trunk
+        } else {
+            let trunk = self.plant(&choice, chunk);
+            self.warn(trunk.narrowed());
+            trunk
         };
         let parameters = self.parameters(&choice);
         if self.is_new(&parameters) {
