@@ -160,6 +160,3 @@ pub fn recognize(network: &Network, signals: &[Vec<f64>]) -> Option<Vec<u32>> {
             .collect(),
     )
 }
-
-#[cfg(test)]
-mod tests;

@@ -437,7 +437,7 @@ mod tests {
             network
         };
         let alone = learned();
-        let crew = crate::crew::Crew::new(3, || std::time::Duration::ZERO);
+        let crew = crate::crew::Crew::new(3, Default::default);
         let (shared, _) = crew.work(|| crate::crew::helped(usize::MAX, learned));
         assert!(alone == shared, "weights differ");
     }

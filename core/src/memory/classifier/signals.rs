@@ -114,7 +114,22 @@ fn evenly(k: u32, n: u32, largest: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::memory::classifier::tests::spec;
+
+    /// A small classifier.
+    fn spec(bits: u32) -> ClassifierSpec {
+        ClassifierSpec {
+            bits,
+            classifier_seed: 1,
+            shifts: 3,
+            amplitudes: 3,
+            noises: 10,
+            largest_shift: 5.0 / 255.0,
+            largest_amplitude_change: 0.2,
+            noise: 0.2,
+            learning_rate: 0.02,
+            epochs: 4,
+        }
+    }
 
     #[test]
     fn transformations_are_all_combinations_and_the_set_has_unit_size() {

@@ -1,11 +1,16 @@
-use super::*;
-use crate::lanes::VectorWidth;
-use crate::memory::waveform::{SAMPLES, Waveform, sample_u};
-use crate::outcome::STATE;
-use crate::stage::{Ensemble, StageSpec, run_with};
+//! A classifier from its spec to its words: what it learns, that interruptions change no bit, and what is refused.
+
+use std::ops::ControlFlow;
+
+use granary_core::lanes::VectorWidth;
+use granary_core::memory::classifier::{BATCH, ClassifierSpec, network_of, recognize};
+use granary_core::memory::waveform::{SAMPLES, Waveform, sample_u};
+use granary_core::stage::{
+    Ensemble, Outcome, Report, STATE, StageFailure, StageSpec, checkpoint_step, run, run_with,
+};
 
 /// A small classifier.
-pub(super) fn spec(bits: u32) -> ClassifierSpec {
+fn small(bits: u32) -> ClassifierSpec {
     ClassifierSpec {
         bits,
         classifier_seed: 1,
@@ -20,7 +25,7 @@ pub(super) fn spec(bits: u32) -> ClassifierSpec {
     }
 }
 
-fn trained(spec: &ClassifierSpec, stop_at: Option<u64>) -> Result<crate::stage::Outcome, Vec<u8>> {
+fn trained(spec: &ClassifierSpec, stop_at: Option<u64>) -> Result<Outcome, Vec<u8>> {
     trained_from(spec, stop_at, None)
 }
 
@@ -28,7 +33,7 @@ fn trained_from(
     spec: &ClassifierSpec,
     stop_at: Option<u64>,
     checkpoint: Option<Vec<u8>>,
-) -> Result<crate::stage::Outcome, Vec<u8>> {
+) -> Result<Outcome, Vec<u8>> {
     let specs = [StageSpec::Classifier(spec.clone())];
     let checkpoints = checkpoint.map(|bytes| vec![bytes]);
     let ensemble = Ensemble {
@@ -37,18 +42,18 @@ fn trained_from(
         checkpoints: checkpoints.as_deref(),
     };
     let mut saved = vec![];
-    let mut watch = |report: &crate::stage::Report<'_>| {
+    let mut watch = |report: &Report<'_>| {
         assert!(report.step <= report.steps && report.steps == spec.steps());
         if Some(report.step) == stop_at {
             saved = (report.checkpoint)().remove(0);
-            return std::ops::ControlFlow::Break(());
+            return ControlFlow::Break(());
         }
-        std::ops::ControlFlow::Continue(())
+        ControlFlow::Continue(())
     };
     let done = run_with(&ensemble, VectorWidth::widest(), &mut watch).remove(0);
     match done {
         Ok(outcome) => Ok(outcome),
-        Err(crate::stage::StageFailure::Interrupted { .. }) => Err(saved),
+        Err(StageFailure::Interrupted { .. }) => Err(saved),
         Err(other) => panic!("{other}"),
     }
 }
@@ -70,10 +75,10 @@ fn recalled(bits: u8, word: u32, size: f64) -> Vec<f64> {
 
 #[test]
 fn it_tells_words_that_it_never_saw_in_this_size() {
-    let outcome = trained(&spec(3), None).expect("not interrupted");
+    let outcome = trained(&small(3), None).expect("not interrupted");
     let accuracy = outcome.results["validation_accuracy"].expect("a number");
     assert!(accuracy > 0.999, "{accuracy}");
-    assert_eq!(outcome.steps, spec(3).steps());
+    assert_eq!(outcome.steps, small(3).steps());
     let network = network_of(&outcome.artifacts[STATE]).expect("a network");
     let mut signals: Vec<Vec<f64>> = (0..8).map(|word| recalled(3, word, 4e3)).collect();
     assert_eq!(recognize(&network, &signals), Some((0..8).collect()));
@@ -88,14 +93,14 @@ fn an_interruption_changes_no_bit() {
     let spec = ClassifierSpec {
         noises: 40,
         epochs: 2,
-        ..spec(3)
+        ..small(3)
     };
     let whole = trained(&spec, None).expect("not interrupted");
     // In the first epoch, in the second, and where the validation begins.
-    let learned = 2 * spec.batches();
+    let learned = 2 * ((spec.signals() - spec.validation_signals()) / BATCH as u64);
     for stop in [0, 50, learned / 50 * 50] {
         let saved = interrupted(&spec, stop);
-        assert_eq!(crate::stage::checkpoint_step(&saved), Some(stop));
+        assert_eq!(checkpoint_step(&saved), Some(stop));
         let resumed = trained_from(&spec, None, Some(saved)).expect("not interrupted");
         assert!(resumed.hash() == whole.hash(), "stopped at {stop}");
     }
@@ -105,17 +110,14 @@ fn an_interruption_changes_no_bit() {
     };
     let saved = interrupted(&other, 50);
     let specs = [StageSpec::Classifier(other)];
-    assert_ne!(specs[0].id(), StageSpec::Classifier(self::spec(3)).id());
+    assert_ne!(specs[0].id(), StageSpec::Classifier(small(3)).id());
     let wrong = Ensemble {
-        specs: &[StageSpec::Classifier(self::spec(3))],
+        specs: &[StageSpec::Classifier(small(3))],
         input: &[],
         checkpoints: Some(&[saved]),
     };
-    let failed = crate::stage::run(&wrong, &mut |_| std::ops::ControlFlow::Continue(())).remove(0);
-    assert!(matches!(
-        failed,
-        Err(crate::stage::StageFailure::Input { .. })
-    ));
+    let failed = run(&wrong, &mut |_| ControlFlow::Continue(())).remove(0);
+    assert!(matches!(failed, Err(StageFailure::Input { .. })));
 }
 
 #[test]
@@ -123,22 +125,25 @@ fn a_classifier_that_cannot_be_is_refused() {
     let ensembles = [
         ClassifierSpec {
             bits: 11,
-            ..spec(3)
+            ..small(3)
         },
-        ClassifierSpec { bits: 2, ..spec(3) },
+        ClassifierSpec {
+            bits: 2,
+            ..small(3)
+        },
         ClassifierSpec {
             shifts: 0,
-            ..spec(3)
+            ..small(3)
         },
         ClassifierSpec {
             noises: u32::MAX,
-            ..spec(3)
+            ..small(3)
         },
     ];
     for spec in ensembles {
         assert!(spec.check().is_err(), "{spec:?}");
     }
-    assert_eq!(spec(3).check(), Ok(()));
+    assert_eq!(small(3).check(), Ok(()));
     let paper = ClassifierSpec {
         shifts: 33,
         amplitudes: 21,
