@@ -148,7 +148,7 @@ fn a_classifier_that_cannot_be_is_refused() {
         shifts: 33,
         amplitudes: 21,
         noises: 25,
-        ..spec(10)
+        ..small(10)
     };
     assert_eq!((paper.transformations(), paper.check()), (17_325, Ok(())));
 }
