@@ -22,8 +22,8 @@ pub(crate) struct Args {
     spec: Option<PathBuf>,
     #[command(flatten)]
     figure: FigureArgs,
-    /// Print points and sets as JSON.
-    #[arg(long)]
+    /// Print points and sets as JSON; of a figure, `granary figures NAME --spec | granary run - --json` does.
+    #[arg(long, conflicts_with = "figure")]
     json: bool,
     /// Engine threads; all cores by default.
     #[arg(long, env = "GRANARY_THREADS", value_name = "N")]

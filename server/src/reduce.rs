@@ -72,11 +72,11 @@ impl Scorer {
 
     /// Adds one point to its set.
     pub fn add(&mut self, member: &Member) {
-        let parameters = set_parameters(&member.parameters, &self.over, self.by_length);
-        let key = key(&parameters, &[]);
+        let length = length(&member.parameters, self.by_length);
+        let key = set_key(&member.parameters, &self.over, length);
         let place = *self.places.entry(key).or_insert_with(|| {
             self.sets.push(Collected {
-                parameters,
+                parameters: set_parameters(&member.parameters, &self.over, length),
                 scale: member.scale,
                 dots: Dots::default(),
                 n: 0,
@@ -365,14 +365,33 @@ pub(crate) fn key(parameters: &Map<String, Value>, over: &[String]) -> String {
     key
 }
 
-/// What the members of a set have in common: all but what it is taken over, and of words their length where that varies.
+/// The length of a point's word, where words of each are sets of their own.
+pub(crate) fn length(parameters: &Map<String, Value>, by_length: bool) -> Option<u32> {
+    by_length
+        .then(|| bits(parameters.get("waveform")))
+        .flatten()
+}
+
+/// A text that the points of one set have in common.
+pub(crate) fn set_key(
+    parameters: &Map<String, Value>,
+    over: &[String],
+    length: Option<u32>,
+) -> String {
+    let key = key(parameters, over);
+    match length {
+        Some(bits) => format!("{key}bits {bits} "),
+        None => key,
+    }
+}
+
+/// What the members of a set have in common: all but what it is taken over, and the length of its words.
 pub(crate) fn set_parameters(
     parameters: &Map<String, Value>,
     over: &[String],
-    by_length: bool,
+    length: Option<u32>,
 ) -> Map<String, Value> {
     let mut common = without(parameters, over);
-    let length = bits(parameters.get("waveform")).filter(|_| by_length);
     common.extend(length.map(|bits| ("bits".to_owned(), bits.into())));
     common
 }

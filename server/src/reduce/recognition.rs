@@ -24,6 +24,15 @@ pub struct Recalled {
     pub failure: Option<String>,
 }
 
+/// How well a classifier tells what it was trained for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Validation {
+    /// Share of its own validation that it tells.
+    pub accuracy: f64,
+    /// That it has not learned its words.
+    pub warning: Option<String>,
+}
+
 /// What a classifier says of a set.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Answer {
@@ -33,17 +42,17 @@ pub enum Answer {
     Failed(String),
     /// Nothing was recalled.
     Silence,
-    /// The word that each signal is taken for, and the classifier's accuracy in its own validation.
-    Words(Vec<u32>, f64),
+    /// The word that each signal is taken for.
+    Words(Vec<u32>, Validation),
 }
 
 /// The set's row, from what each training of the classifier says of it.
 #[must_use]
 pub fn recognized(set: &Recalled, processing: Processing, answers: &[Answer]) -> SetRow {
-    let told: Vec<(&Vec<u32>, f64)> = answers
+    let told: Vec<(&Vec<u32>, &Validation)> = answers
         .iter()
         .filter_map(|answer| match answer {
-            Answer::Words(words, accuracy) => Some((words, *accuracy)),
+            Answer::Words(words, validation) => Some((words, validation)),
             _ => None,
         })
         .collect();
@@ -56,7 +65,8 @@ pub fn recognized(set: &Recalled, processing: Processing, answers: &[Answer]) ->
         _ => told.iter().map(|(taken_for, _)| right(taken_for)).collect(),
     };
     let (mean, sem) = super::moments(&accuracies);
-    let validation = told.iter().map(|(_, accuracy)| *accuracy).reduce(f64::min);
+    let validation = told.iter().map(|(_, of)| of.accuracy).reduce(f64::min);
+    let warning = told.iter().find_map(|(_, of)| of.warning.clone());
     let untrained = answers.contains(&Answer::Untrained);
     let results = [
         ("recognition_accuracy", mean),
@@ -79,13 +89,13 @@ pub fn recognized(set: &Recalled, processing: Processing, answers: &[Answer]) ->
         of: set.of,
         provisional: set.open || untrained,
         missing_reason: reason(set, answers, mean, sem),
-        warning: None,
+        warning,
         confused: confused(&set.words, &told),
     }
 }
 
 /// Every word that was taken for another, and by how many trainings; the most often confused first.
-fn confused(words: &[u32], told: &[(&Vec<u32>, f64)]) -> Vec<Confused> {
+fn confused(words: &[u32], told: &[(&Vec<u32>, &Validation)]) -> Vec<Confused> {
     let mut counts: BTreeMap<(u32, u32), u32> = BTreeMap::new();
     for (taken_for, _) in told {
         for (&word, &taken_for) in words.iter().zip(*taken_for) {
@@ -125,6 +135,10 @@ fn reason(
                 Some(failure) => format!("no member has an outcome: {failure}"),
                 None => "no member has an outcome".to_owned(),
             },
+            (n, _) if set.open => format!(
+                "words are recognized once all of the set are done: {n} of {} so far",
+                set.of
+            ),
             _ if answers.contains(&Answer::Untrained) => {
                 "the classifier is not trained yet".to_owned()
             }
@@ -157,7 +171,11 @@ mod tests {
     }
 
     fn words(words: &[u32]) -> Answer {
-        Answer::Words(words.to_vec(), 1.0)
+        let validation = Validation {
+            accuracy: 1.0,
+            warning: None,
+        };
+        Answer::Words(words.to_vec(), validation)
     }
 
     #[test]
@@ -214,6 +232,21 @@ mod tests {
                 "1 of 2 members are missing: failed or cancelled".to_owned()
             )
         );
+        let half = Recalled {
+            open: true,
+            ..set(&[0], 2)
+        };
+        let told = of(&half, &[]).2;
+        assert_eq!(
+            told,
+            "words are recognized once all of the set are done: 1 of 2 so far"
+        );
+        let weak = Validation {
+            accuracy: 0.5,
+            warning: Some("not learned".to_owned()),
+        };
+        let row = recognized(&whole, Processing::Sub2, &[Answer::Words(vec![0, 1], weak)]);
+        assert_eq!(row.warning.as_deref(), Some("not learned"));
         let to_come = Recalled {
             open: true,
             ..set(&[], 2)

@@ -17,8 +17,8 @@ use tokio::task::spawn_blocking;
 use super::set::{Row, Zero};
 use super::sweep::SweepPlan;
 use super::{Store, StoreError};
-use crate::reduce::recognition::{Answer, Recalled, recognized};
-use crate::reduce::{key, set_parameters};
+use crate::reduce::recognition::{Answer, Recalled, Validation, recognized};
+use crate::reduce::{length, set_key, set_parameters};
 use crate::sweep::reduction::{Reduction, bits};
 
 /// Answers kept in memory, of at most 1,024 words each.
@@ -61,7 +61,10 @@ struct Background {
 
 /// A classifier as far as it is trained.
 enum Classifier {
-    Trained { state: ArtifactHash, accuracy: f64 },
+    Trained {
+        state: ArtifactHash,
+        validation: Validation,
+    },
     Not(Answer),
 }
 
@@ -81,17 +84,8 @@ impl Store {
         let mut rows = vec![];
         for &processing in reduction.processing().unwrap_or_default() {
             for set in self.recalled(plan, reduction, processing, &zeros).await? {
-                let mut answers = vec![];
                 let asked = classifiers.iter().filter(|(bits, ..)| *bits == set.bits);
-                for (_, id, classifier) in asked {
-                    answers.push(match classifier {
-                        Classifier::Not(answer) => answer.clone(),
-                        Classifier::Trained { state, accuracy } => {
-                            let asked = (id, state, *accuracy);
-                            self.answer(&set, processing, asked, &mut zeros).await?
-                        }
-                    });
-                }
+                let answers = self.answers(&set, processing, asked, &mut zeros).await?;
                 rows.push(recognized(&set.recalled, processing, &answers));
             }
         }
@@ -101,18 +95,25 @@ impl Store {
     async fn classifier(&self, id: StageId) -> Result<Classifier, StoreError> {
         const FIND: &str = "
             select j.state, coalesce(j.failure ->> 'message', j.failure ->> 'kind'), o.artifacts ->> $2,
-                   o.results ->> 'validation_accuracy'
+                   o.results ->> 'validation_accuracy', o.warnings ->> 0
               from job j left join outcome o on o.job = j.id
              where j.hash = $1";
-        type Found = (String, Option<String>, Option<String>, Option<f64>);
+        type Found = (
+            String,
+            Option<String>,
+            Option<String>,
+            Option<f64>,
+            Option<String>,
+        );
         let found = sqlx::query_as(FIND).bind(&id.as_bytes()[..]).bind(STATE);
         let found: Option<Found> = found.fetch_optional(self.readers()).await?;
-        let Some((state, failure, artifact, accuracy)) = found else {
+        let Some((state, failure, artifact, accuracy, warning)) = found else {
             return Ok(Classifier::Not(Answer::Untrained));
         };
         if let Some(state) = artifact.and_then(|hash| hash.parse().ok()) {
             let accuracy = accuracy.unwrap_or(f64::NAN);
-            return Ok(Classifier::Trained { state, accuracy });
+            let validation = Validation { accuracy, warning };
+            return Ok(Classifier::Trained { state, validation });
         }
         let open = state.parse().is_ok_and(|state: JobState| !state.is_final());
         let why = || failure.unwrap_or_else(|| "failed or cancelled".to_owned());
@@ -147,12 +148,13 @@ impl Store {
                 let waveform = parameters
                     .get("waveform")
                     .or_else(|| plan.fixed.get("waveform"));
-                let common = set_parameters(&parameters, over, by_length);
-                let place = *places.entry(key(&common, &[])).or_insert_with(|| {
+                let length = length(&parameters, by_length);
+                let key = set_key(&parameters, over, length);
+                let place = *places.entry(key).or_insert_with(|| {
                     sets.push(Set {
                         bits: bits(waveform).unwrap_or_default(),
                         recalled: Recalled {
-                            parameters: common,
+                            parameters: set_parameters(&parameters, over, length),
                             ..Recalled::default()
                         },
                         signals: vec![],
@@ -164,26 +166,67 @@ impl Store {
                     open: processing.needs_zero() && zero.is_none_or(|zero| zero.open),
                     is_there: !processing.needs_zero() || zero.is_some_and(Zero::is_there),
                 };
-                let waveform = parameters
-                    .get("waveform")
-                    .or_else(|| plan.fixed.get("waveform"));
                 sets[place].add(row, waveform, background);
             }
         }
     }
 
-    /// What one classifier says of a set.
-    async fn answer(
+    /// What each classifier says of a set; nothing yet of one that is not whole.
+    async fn answers(
         &self,
         set: &Set,
         processing: Processing,
-        (id, state, accuracy): (&StageId, &ArtifactHash, f64),
+        classifiers: impl Iterator<Item = &(u32, StageId, Classifier)>,
         zeros: &mut HashMap<i64, Zero>,
-    ) -> Result<Answer, StoreError> {
-        let key = set.key(id, processing);
-        if let Some(answer) = self.inner.answers.get(&key) {
-            return Ok(answer);
+    ) -> Result<Vec<Answer>, StoreError> {
+        let mut answers = vec![];
+        // Read once, when the first classifier needs them.
+        let mut signals = None;
+        for (_, id, classifier) in classifiers {
+            let (state, validation) = match classifier {
+                Classifier::Trained { state, validation } if !set.recalled.open => {
+                    (state, validation)
+                }
+                Classifier::Trained { .. } => continue,
+                Classifier::Not(answer) => {
+                    answers.push(answer.clone());
+                    continue;
+                }
+            };
+            let key = set.key(id, processing);
+            if let Some(answer) = self.inner.answers.get(&key) {
+                answers.push(answer);
+                continue;
+            }
+            let known = match signals.take() {
+                Some(known) => known,
+                None => Arc::new(self.processed(set, processing, zeros).await?),
+            };
+            let shared = signals.insert(known).clone();
+            let state = self.artifact_get(state).await?;
+            let asked = spawn_blocking(move || {
+                network_of(&state).map(|network| recognize(&network, &shared))
+            });
+            let told = asked.await;
+            let told = told.unwrap_or_else(|failed| resume_unwind(failed.into_panic()));
+            let answer = match told {
+                Ok(Some(words)) => Answer::Words(words, validation.clone()),
+                Ok(None) => Answer::Silence,
+                Err(detail) => Answer::Failed(detail),
+            };
+            self.inner.answers.put(key, answer.clone());
+            answers.push(answer);
         }
+        Ok(answers)
+    }
+
+    /// The signals of a set, each freed from its background.
+    async fn processed(
+        &self,
+        set: &Set,
+        processing: Processing,
+        zeros: &mut HashMap<i64, Zero>,
+    ) -> Result<Vec<Vec<f64>>, StoreError> {
         let mut signals = vec![];
         for (_, ensemble, artifact) in &set.signals {
             let zero = zeros.get_mut(ensemble).filter(|_| processing.needs_zero());
@@ -191,25 +234,11 @@ impl Store {
             let signal = self.signal(artifact).await?;
             let processed = processing.apply(&signal, background);
             signals.push(processed.ok_or_else(|| {
-                StoreError::NotFound(format!(
-                    "what {} needs of signal {artifact}",
-                    processing.name()
-                ))
+                let name = processing.name();
+                StoreError::NotFound(format!("what {name} needs of signal {artifact}"))
             })?);
         }
-        let state = Arc::new(self.artifact_get(state).await?);
-        let asked =
-            spawn_blocking(move || network_of(&state).map(|network| recognize(&network, &signals)));
-        let told = asked
-            .await
-            .unwrap_or_else(|failed| resume_unwind(failed.into_panic()));
-        let answer = match told {
-            Ok(Some(words)) => Answer::Words(words, accuracy),
-            Ok(None) => Answer::Silence,
-            Err(detail) => Answer::Failed(detail),
-        };
-        self.inner.answers.put(key, answer.clone());
-        Ok(answer)
+        Ok(signals)
     }
 }
 

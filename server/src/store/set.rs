@@ -17,7 +17,7 @@ use super::sweep::SweepPlan;
 use super::{Store, StoreError};
 use crate::reduce::strength::ultimate_strength_fit;
 use crate::reduce::study::study;
-use crate::reduce::{Member, Scorer, key, mean_sem, set_parameters};
+use crate::reduce::{Member, Scorer, key, length, mean_sem, set_key};
 use crate::sweep::reduction::Reduction;
 use crate::table::{TableQuery, compare};
 
@@ -169,7 +169,7 @@ impl Store {
                     Some(link) => (link.over(), link.by_length()),
                     None => (&[][..], false),
                 };
-                let of_set = |point: &_| key(&set_parameters(point, gone, by_length), &[]);
+                let of_set = |point: &_| set_key(point, gone, length(point, by_length));
                 let costs = self.costs(plan, of_set).await?;
                 let cost = |row: &SetRow| {
                     let known = costs.get(&key(&row.parameters, &[]));
