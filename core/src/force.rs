@@ -23,6 +23,11 @@ pub trait BodyForce: Copy + Send + Sync + 'static {
 
     /// Angular acceleration of a grain with `spin` \[1/t_c²\], added to `acceleration`.
     fn angular<L: Lane>(&self, spin: Vec3<L>, acceleration: Vec3<L>) -> Vec3<L>;
+
+    /// Takes the drag out of it and returns its rate \[1/t_c\].
+    fn take_drag(&mut self) -> f64 {
+        0.0
+    }
 }
 
 impl BodyForce for () {
@@ -73,5 +78,9 @@ impl BodyForce for AffineDrag {
     #[inline(always)]
     fn angular<L: Lane>(&self, spin: Vec3<L>, acceleration: Vec3<L>) -> Vec3<L> {
         spin.scale_sub(L::constant(self.rate), acceleration)
+    }
+
+    fn take_drag(&mut self) -> f64 {
+        std::mem::take(&mut self.rate)
     }
 }

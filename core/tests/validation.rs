@@ -26,12 +26,13 @@ mod stability;
 
 use tiny_pack::{finish, outcome};
 
-/// A point of preset `standard` with N grains.
+/// A point of preset `standard` with N grains, without its drag.
 fn point(grains: u32, packing_seed: u64) -> MemoryPoint {
     let mut map = MemoryPoint::defaults("standard").expect("a preset");
     map.insert("grains".to_owned(), Value::from(grains));
     map.insert("packing_seed".to_owned(), Value::from(packing_seed));
     MemoryPoint {
+        drag: 0.0,
         second_cycle: false,
         ..MemoryPoint::from_parameters(map).expect("valid parameters")
     }

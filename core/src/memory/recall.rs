@@ -114,19 +114,25 @@ pub(crate) fn run<R: Replicas, P: Physics>(
     Ok(recalls.specs.iter().enumerate().map(outcome).collect())
 }
 
+/// The second cycle rests as long as the first, so that both decompressions stir up the same sound.
 fn cycle(spec: &RecallSpec, past: &Past) -> Cycle {
     let steps = ramp_steps(spec.ramp, spec.time_step);
-    let mut segments = vec![
-        Segment::ramp(steps, true, true, Some(ENCODE)),
-        Segment::hold(hold_steps(spec.hold, steps)),
-        Segment::ramp(steps, false, false, Some(DECODE)),
-    ];
-    if spec.second_cycle {
-        segments.push(Segment::ramp(steps, true, false, Some(SECOND_ENCODE)));
-        segments.push(Segment::ramp(steps, false, false, Some(SECOND_DECODE)));
-    }
+    let cycle = |sheared, up, down| {
+        [
+            Segment::ramp(steps, true, sheared, Some(up)),
+            Segment::hold(hold_steps(spec.hold, steps)),
+            Segment::ramp(steps, false, false, Some(down)),
+        ]
+    };
+    let second = spec
+        .second_cycle
+        .then(|| cycle(false, SECOND_ENCODE, SECOND_DECODE));
+    let first = cycle(true, ENCODE, DECODE);
     Cycle {
-        segments,
+        segments: first
+            .into_iter()
+            .chain(second.into_iter().flatten())
+            .collect(),
         delta0: past.pack.delta0,
         extent: extent(past),
     }
@@ -288,7 +294,9 @@ fn outcome<R: Replicas, P: Physics>(
         results.extend(run::observed(&last.seen, "_compressed"));
     }
     results.extend(Sound::results(past.sound));
-    let warning = past.sound.and_then(|sound| sound.warning(spec.ramp));
+    let warning = past
+        .sound
+        .and_then(|sound| sound.warning(spec.ramp, spec.drag));
     let history = history(&series, past.pack.youngs_modulus);
     Outcome {
         results,

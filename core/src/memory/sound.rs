@@ -3,11 +3,13 @@
 //! A ramp that is not slow against this leaves a pack shaking, differently for every waveform, which looks like a poor memory.
 //! Both times are measured in the pack itself: a copy of it is struck with the longest wave that moving walls can make,
 //! the full wave between them, and listened to for a few swings.
+//! The copy has no drag: what a drag does to the wave follows, also where it keeps the wave from swinging at all.
 
 use std::f64::consts::PI;
 
 use serde::{Deserialize, Serialize};
 
+use crate::force::BodyForce as _;
 use crate::lanes::F64x1;
 use crate::math::plain;
 use crate::outcome::StageFailure;
@@ -27,6 +29,8 @@ const MOST_STEPS: u64 = 20_000;
 /// Ramps shorter than this many decay times lose fidelity: 0.01 at 7, 0.3 at 4, 0.8 at 2, at 325 grains as at 1,024
 /// (docs/accuracy.md).
 const LEAST_DECAYS: f64 = 7.0;
+/// The drag of the presets \[1/t_c\].
+pub(super) const USUAL_DRAG: f64 = 0.1;
 /// Fewer grains than this carry no wave.
 const LEAST_GRAINS: usize = 64;
 /// How fast a pack is struck \[R/t_c\]: a swing of 200 t_c then moves neighbors by 1e-4 R, a hundredth of their overlap,
@@ -36,13 +40,32 @@ const STRIKE: f64 = 1e-5;
 /// The longest wave between the walls.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Sound {
-    /// Time of a swing \[t_c\].
+    /// Time of a swing without drag \[t_c\].
     pub period: f64,
-    /// Time in which the kinetic energy that it leaves in the pack falls to 1/e \[t_c\], scattered into other waves or not.
+    /// Time in which the energy that it leaves in the pack falls to 1/e \[t_c\], scattered into other waves or not, drag included.
     pub decay_time: f64,
 }
 
 impl Sound {
+    /// The same in a pack with a drag η \[1/t_c\].
+    ///
+    /// An oscillator of frequency ω whose amplitude falls at the rate a = (1/τ + η)/2; from a = ω on it no longer swings, but
+    /// creeps back at the rate a − √(a² − ω²).
+    fn with_drag(self, drag: f64) -> Self {
+        let frequency = 2.0 * PI / self.period;
+        let damping = 0.5 * (1.0 / self.decay_time + drag);
+        let beyond = (damping * damping - frequency * frequency).max(0.0);
+        let slowest = if beyond > 0.0 {
+            frequency * frequency / (damping + beyond.sqrt())
+        } else {
+            damping
+        };
+        Self {
+            decay_time: 0.5 / slowest,
+            ..self
+        }
+    }
+
     /// Both times as results, of a pack that was heard or not.
     pub(crate) fn results(sound: Option<Self>) -> [(String, Option<f64>); 2] {
         [
@@ -53,14 +76,19 @@ impl Sound {
     }
 
     /// What a reader should know of a recall with this ramp \[t_c\], if it was too hasty for the pack.
-    pub(crate) fn warning(&self, ramp: f64) -> Option<String> {
+    pub(crate) fn warning(&self, ramp: f64, drag: f64) -> Option<String> {
         let decays = ramp / self.decay_time;
         (decays < LEAST_DECAYS).then(|| {
             let least = LEAST_DECAYS * self.decay_time;
+            let or = if drag < USUAL_DRAG {
+                format!(", or a drag of {USUAL_DRAG}")
+            } else {
+                String::new()
+            };
             format!(
                 "fast_ramp: a ramp of {ramp} t_c is only {decays:.1} times as long as the energy of sound stays in this \
                  pack, {:.0} t_c: what one part of a waveform stirs up reaches the next, which looks like a poor memory; \
-                 take a ramp of {least:.0} t_c or more, or a drag of 0.01",
+                 take a ramp of {least:.0} t_c or more{or}",
                 self.decay_time
             )
         })
@@ -79,6 +107,7 @@ pub(crate) fn measure<P: Physics>(
         return Ok(None);
     }
     let mut struck = scene.clone();
+    let drag = struck.laws.body_force.take_drag();
     struck.set_affine_rate(0, [0.0; 3]);
     for wall in 0..WALLS {
         // They have just moved.
@@ -97,7 +126,7 @@ pub(crate) fn measure<P: Physics>(
         }
         heard.push(wave.heard(&struck));
     }
-    Ok(listen(&heard, look))
+    Ok(listen(&heard, look).map(|sound| sound.with_drag(drag)))
 }
 
 /// One look at a struck pack.
@@ -260,12 +289,46 @@ mod tests {
             period: 56.0,
             decay_time: 700.0,
         };
-        assert_eq!(sound.warning(5_000.0), None);
-        let warning = sound.warning(2_800.0).expect("too hasty");
+        assert_eq!(sound.warning(5_000.0, 0.0), None);
+        let warning = sound.warning(2_800.0, 0.0).expect("too hasty");
         assert!(warning.starts_with("fast_ramp: "), "{warning}");
         assert!(
-            warning.contains("4.0 times") && warning.contains("4900 t_c"),
+            warning.contains("4.0 times")
+                && warning.ends_with("4900 t_c or more, or a drag of 0.1"),
             "{warning}"
         );
+        let creeps = sound.with_drag(20.0).warning(2_800.0, 20.0);
+        assert!(creeps.is_some_and(|warning| warning.ends_with("t_c or more")));
+    }
+
+    /// By stepping the oscillator, x'' = −ω² x − (1/τ + η) x', until what creeps no faster than the rest is left, and then for
+    /// as long as its energy is said to take to fall to 1/e¹²: it does so within 2 a/ω/12, by which the energy of a swing goes up
+    /// and down, where a/ω is at most 0.41 below.
+    #[test]
+    fn drag_takes_energy_as_fast_as_from_an_oscillator_whether_it_swings_or_creeps() {
+        let quiet = Sound {
+            period: 100.0,
+            decay_time: 1_000.0,
+        };
+        for drag in [0.0, 0.01, 0.05, 0.2, 1.0] {
+            let sound = quiet.with_drag(drag);
+            let step = 0.01;
+            let (mut x, mut v) = (1.0, 0.0);
+            let mut energy_after = |time: f64| {
+                for _ in 0..(time / step) as u64 {
+                    let squared = (2.0 * PI / quiet.period).powi(2);
+                    v -= step * (squared * x + (1.0 / quiet.decay_time + drag) * v);
+                    x += step * v;
+                }
+                (2.0 * PI / quiet.period * x).powi(2) + v * v
+            };
+            let first = energy_after(4.0 * sound.decay_time);
+            let second = energy_after(12.0 * sound.decay_time);
+            let fall = libm::log(first / second);
+            assert!((fall / 12.0 - 1.0).abs() < 0.07, "{drag}: {fall}");
+        }
+        assert_eq!(quiet.with_drag(0.0), quiet);
+        // Twice the rate in half the time, as long as it swings.
+        assert!((quiet.with_drag(0.001).decay_time - 500.0).abs() < 1e-9);
     }
 }

@@ -307,7 +307,7 @@ impl MemoryPoint {
         if self.pack().shape == ShapeName::Sphere && self.drag == 0.0 {
             warnings.push(
                 "spheres with drag = 0: in some packs rearrangements follow rounding errors, and one packing's fidelity is \
-                 uncertain by 0.1 and more; average over packings and compare with drag = 0.01 or longer ramps \
+                 uncertain by 0.1 and more; average over packings and compare with drag = 0.1 or longer ramps \
                  (docs/validation.md)"
                     .to_owned(),
             );
@@ -495,13 +495,13 @@ mod tests {
             overlap: 1.0,
             ..point("standard")
         };
-        assert!(point("standard").warnings().is_empty());
-        assert_eq!(sphere.warnings().len(), 1);
-        let damped = MemoryPoint {
-            drag: 0.01,
-            ..sphere
-        };
-        assert!(damped.warnings().is_empty());
+        for preset in ["draft", "standard"] {
+            assert!(point(preset).warnings().is_empty());
+        }
+        assert!(sphere.warnings().is_empty());
+        let free = |point: MemoryPoint| MemoryPoint { drag: 0.0, ..point };
+        assert_eq!(free(sphere).warnings().len(), 1);
+        assert!(free(point("standard")).warnings().is_empty());
         let sliced = |slices: u32| {
             let point = MemoryPoint {
                 force_law: ForceLaw::M2,

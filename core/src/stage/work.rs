@@ -36,7 +36,7 @@ impl StageSpec {
             (Self::Recall(spec), _) => {
                 let ramp = ramp_steps(spec.ramp, spec.time_step);
                 let hold = hold_steps(spec.hold, ramp);
-                let all = 2 * ramp + hold + if spec.second_cycle { 2 * ramp } else { 0 };
+                let all = (1 + u64::from(spec.second_cycle)) * (2 * ramp + hold);
                 all - spec.steps_before()
             }
             (Self::Encode(spec), _) => spec.steps(),

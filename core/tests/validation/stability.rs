@@ -288,7 +288,7 @@ fn pack_cell(changes: &Map<String, Value>) -> Found {
     let mut map = MemoryPoint::defaults("standard").expect("a preset");
     let short = json!({
         "grains": GRAINS, "gas_time": 1000.0, "preparation_cycles": 1, "preparation_ramp": 3000.0,
-        "ramp": 6000.0,
+        "ramp": 6000.0, "drag": 0.0,
         "precision": "f64", "second_cycle": false,
     });
     map.extend(short.as_object().expect("an object").clone());

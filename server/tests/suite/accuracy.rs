@@ -151,7 +151,7 @@ async fn cheapest_setting_that_keeps_the_target_is_chosen_and_shown_with_its_evi
     let found = settled(&fresh, sweep).await;
     let choice = &found["accuracy"]["choice"];
     assert_eq!(choice["values"]["ramp"], 9000.0, "{choice:#}");
-    assert_eq!(choice["values"]["drag"], 0.01);
+    assert_eq!(choice["values"]["drag"], 0.1);
     assert_eq!(choice["evidence"].as_array().map(Vec::len), Some(2));
     assert_eq!(choice["reason"], Value::Null);
     work(&fresh).await;

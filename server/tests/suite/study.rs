@@ -74,9 +74,9 @@ fn setting_changes_several_parameters_and_a_preset_all_of_its_own() {
     let found = settings(&study);
     let setting = |ramp: f64, drag: f64, step: f64, hold: f64, precision: &str| json!({"ramp": ramp, "drag": drag, "time_step": step, "hold": hold, "precision": precision});
     let expected = [
-        setting(18_000.0, 0.0, 1.5, 0.2, "f32"),
+        setting(18_000.0, 0.1, 1.5, 0.2, "f32"),
         setting(6_000.0, 0.01, 1.5, 0.2, "f32"),
-        setting(4_500.0, 0.01, 1.5, 0.2, "f32"),
+        setting(4_500.0, 0.1, 1.5, 0.2, "f32"),
         setting(18_000.0, 0.0, 1.0, 2.0, "f64"),
     ];
     assert_eq!(found, expected);
