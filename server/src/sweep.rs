@@ -154,6 +154,9 @@ impl Plan {
         };
         let accuracy = table.get("accuracy");
         let accuracy = accuracy.and_then(|value| accuracy::read(value, &around, &mut mistakes));
+        let said = spec.pointer("/numerics/second_cycle").is_some();
+        let wanted = said || reductions.iter().any(Reduction::needs_second_cycle);
+        let fixed = without_second_cycle(fixed, wanted);
         let compared = study.map(|study| compared(&grids, &study, model));
         drop(axes);
         let grids = compared.unwrap_or(grids);
@@ -262,6 +265,14 @@ impl Plan {
         serde_json::to_writer(&mut hasher, &identity).expect("plain data, and hashing never fails");
         *hasher.finalize().as_bytes()
     }
+}
+
+/// Leaves a recall's second cycle out, which is half of its cost, unless it is `wanted`.
+fn without_second_cycle(mut fixed: Map<String, Value>, wanted: bool) -> Map<String, Value> {
+    if let Some(second_cycle) = fixed.get_mut("second_cycle").filter(|_| !wanted) {
+        *second_cycle = Value::Bool(false);
+    }
+    fixed
 }
 
 /// The grids of every setting of a study, the reference's first.

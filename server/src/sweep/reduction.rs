@@ -126,6 +126,13 @@ impl Reduction {
         processing.iter().any(|processing| processing.needs_zero())
     }
 
+    /// Whether recalls must have a second cycle.
+    #[must_use]
+    pub fn needs_second_cycle(&self) -> bool {
+        let processing = self.processing().unwrap_or_default();
+        processing.iter().any(|processing| !processing.needs_zero())
+    }
+
     /// The classifiers that it asks.
     #[must_use]
     pub fn classifiers(&self) -> &[ClassifierSpec] {
@@ -543,13 +550,10 @@ fn second_cycle_is_missing(
     axes: &BTreeMap<&str, Vec<Value>>,
     fixed: &Map<String, Value>,
 ) -> bool {
-    let Some(processing) = link.processing() else {
-        return false;
-    };
     let off = Value::Bool(false);
     let missing = match axes.get("second_cycle") {
         Some(values) => values.contains(&off),
         None => fixed.get("second_cycle") == Some(&off),
     };
-    missing && processing.iter().any(|p| !p.needs_zero())
+    missing && link.needs_second_cycle()
 }

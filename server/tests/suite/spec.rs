@@ -138,6 +138,20 @@ fn what_the_spec_writes_wins_over_its_preset() {
 }
 
 #[test]
+fn second_cycle_is_run_where_a_reduction_needs_it_or_the_spec_says_so() {
+    let reduced = |processing: &str| json!([{"kind": "gain_fidelity", "processing": [processing]}]);
+    let second_cycle = |changes: Value| plan(&with(&changes)).fixed["second_cycle"].clone();
+    assert_eq!(second_cycle(json!({})), false);
+    assert_eq!(second_cycle(json!({"reduce": reduced("SUB0")})), false);
+    assert_eq!(second_cycle(json!({"reduce": reduced("SUB2-BL")})), true);
+    let said = json!({"numerics": {"second_cycle": true}});
+    assert_eq!(second_cycle(said), true);
+    // An axis is not told otherwise.
+    let axis = json!({"grid": [{"second_cycle": [true, false]}]});
+    assert_eq!(points(&with(&axis)).len(), 2);
+}
+
+#[test]
 fn whole_reals_and_key_order_of_sections_do_not_make_another_sweep() {
     let one = plan(&json!({"model": "memory", "fixed": {"grains": 10, "delta0": 0.1}}));
     let two =
