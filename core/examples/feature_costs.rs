@@ -1,6 +1,6 @@
 //! What each feature costs a scene that has it: bytes and time, by pairs of scenes that differ in it alone.
 //!
-//! `cargo run --release -p granary-core --example feature_costs`: prints the table of docs/speed.md.
+//! `cargo run --release -p granary-core --features validation --example feature_costs`: prints the table of docs/speed.md.
 
 #![expect(
     clippy::disallowed_methods,
@@ -14,6 +14,8 @@ use granary_core::contact::TangentialLaw;
 use granary_core::contact::frictionless::Frictionless;
 use granary_core::contact::hooke::Hooke;
 use granary_core::contact::mindlin::{Mindlin, TangentialStiffness};
+use granary_core::contact::mindlin_rescale::MindlinRescale;
+use granary_core::contact::mindlin_sliced::MindlinSliced;
 use granary_core::force::{AffineDrag, BodyForce};
 use granary_core::grains::{Grains, Motion, Pose, Size, UPRIGHT};
 use granary_core::lanes::{F32x16, F64x1, F64x8, VectorWidth};
@@ -36,6 +38,22 @@ const HOOKE: Hooke = Hooke {
     stiffness: 0.134,
     damping: 0.3 * 0.23 * 0.134,
     friction_coefficient: 1.0,
+};
+
+/// Law M1.
+const RESCALED: MindlinRescale = MindlinRescale {
+    stiffness: 0.6,
+    damping: 0.3 * 0.23 * 0.6,
+    friction_coefficient: 1.0,
+};
+
+/// Law M2, Q = 100 and p_max = 0.25 R.
+const SLICED: MindlinSliced = MindlinSliced {
+    stiffness: RESCALED.stiffness,
+    damping: RESCALED.damping,
+    friction_coefficient: RESCALED.friction_coefficient,
+    slices: 100,
+    largest_overlap: 0.25,
 };
 
 /// A lattice of grains that just touch; where there are walls, they do too.
@@ -162,12 +180,13 @@ struct Timed {
 
 fn timed<R: Replicas + 'static, P: Physics>(name: &'static str, mut scene: Scene<R, P>) -> Timed {
     scene.step();
+    let contacts = scene.touching();
     Timed {
         name,
         grains: scene.grains.len(),
-        contacts: scene.touching(),
+        contacts,
         bytes_per_grain: scene.bytes_per_grain(),
-        bytes_per_contact: Scene::<R, P>::bytes_per_candidate(),
+        bytes_per_contact: Scene::<R, P>::bytes_per_candidate() + scene.slice_bytes() / contacts,
         time: Box::new(move || {
             let start = Instant::now();
             for _ in 0..STEPS {
@@ -213,6 +232,14 @@ fn scenes<R: Replicas + 'static>() -> Vec<Timed> {
         timed(
             "+ friction (law H)",
             lattice::<R, Tetrahedron, _, _>(tetrahedra(), HOOKE, (), false),
+        ),
+        timed(
+            "+ friction (law M1)",
+            lattice::<R, Tetrahedron, _, _>(tetrahedra(), RESCALED, (), false),
+        ),
+        timed(
+            "+ friction (law M2, Q = 100)",
+            lattice::<R, Tetrahedron, _, _>(tetrahedra(), SLICED, (), false),
         ),
     ]
 }

@@ -1,5 +1,6 @@
 //! A scene: grains, walls and contacts in K replicas, and the step that moves them.
 
+use crate::contact::slices::Slices;
 use crate::contact::{Components, TangentialLaw};
 use crate::crew;
 use crate::force::{AffineRate, BodyForce};
@@ -319,11 +320,18 @@ impl<R: Replicas, P: Physics> Scene<R, P> {
         self.grains.bytes_per_grain() + self.work.bytes() / self.grains.len().max(1)
     }
 
-    /// Bytes that one candidate and its history take.
+    /// Bytes that one candidate and its history take, without slices.
     #[must_use]
     pub fn bytes_per_candidate() -> usize {
         std::mem::size_of::<contacts::Candidate<R::Scalar>>()
             + std::mem::size_of::<<P::Tangential as TangentialLaw>::History<R>>()
+            + std::mem::size_of::<<P::Tangential as TangentialLaw>::Slices<R>>()
+    }
+
+    /// Bytes of all slices that contacts have remembered so far, of a law that has slices.
+    #[must_use]
+    pub fn slice_bytes(&self) -> usize {
+        self.contacts.slices.iter().map(Slices::bytes).sum()
     }
 }
 

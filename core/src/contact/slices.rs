@@ -12,6 +12,11 @@ pub trait Slices<S: Scalar> {
 
     /// Makes what lane `to` remembers a copy of what lane `from` does.
     fn copy_lane(&mut self, from: usize, to: usize);
+
+    /// Bytes held elsewhere than in itself.
+    fn bytes(&self) -> usize {
+        0
+    }
 }
 
 /// Of a law that knows no slices.
@@ -55,6 +60,10 @@ impl<R: Row> Slices<R::Scalar> for Stack<R> {
         for row in self.0.as_flattened_mut() {
             row.lanes_mut()[to] = row.lanes()[from];
         }
+    }
+
+    fn bytes(&self) -> usize {
+        self.0.capacity() * std::mem::size_of::<[R; 2]>()
     }
 }
 
