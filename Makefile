@@ -50,6 +50,8 @@ presets: ## measure again what presets cost in accuracy, for `granary models` an
 	$(CARGO) build --release --locked
 	$(GRANARY) study examples/study-presets-memory.toml --json > docs/presets/memory.json.new
 	mv docs/presets/memory.json.new docs/presets/memory.json
+	$(GRANARY) study examples/study-presets-beam.toml --archive docs/beam/archive --json > docs/presets/beam.json.new
+	mv docs/presets/beam.json.new docs/presets/beam.json
 
 verify: ## long service checks: WHAT=crash|intake|service
 	$(CARGO) build --release --locked

@@ -44,6 +44,9 @@ pub struct Preset {
 pub struct Measured {
     /// On which scene.
     pub scene: String,
+    /// How what was recalled became a signal, of a model that has several ways.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub processing: Option<String>,
     /// Deviations from the study's reference, their uncertainty and the cost, by name.
     pub results: BTreeMap<String, Option<f64>>,
     /// Packings.

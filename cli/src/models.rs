@@ -53,8 +53,12 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<Done> {
     output::bytes(table.render().as_bytes())?;
     for preset in model.presets() {
         output::line(&format!("preset {}: {}", preset.name, preset.sentence))?;
-        for measured in granary_server::presets::measured(model, preset.name) {
-            output::line(&format!("  {}", told(&measured, model)))?;
+        let found = granary_server::presets::measured(model, preset.name);
+        for measured in &found {
+            output::line(&format!("  {}", told(measured, model)))?;
+        }
+        if found.is_empty() {
+            output::line("  its error was not measured")?;
         }
     }
     Ok(Done::Complete)
@@ -89,7 +93,9 @@ fn told(measured: &Measured, model: Model) -> String {
     if let Some(cost) = get("relative_cost") {
         parts.push(format!("{} of the reference's time", digits(cost, 2)));
     }
-    format!("measured on {}: {}", measured.scene, parts.join(", "))
+    let by = measured.processing.as_deref();
+    let by = by.map_or_else(String::new, |processing| format!(", by {processing}"));
+    format!("measured on {}{by}: {}", measured.scene, parts.join(", "))
 }
 
 fn schema(model: Model) -> Value {

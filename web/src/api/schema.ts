@@ -740,6 +740,8 @@ export interface components {
              * @description Packings.
              */
             n: number;
+            /** @description How what was recalled became a signal, of a model that has several ways. */
+            processing?: string | null;
             /** @description Deviations from the study's reference, their uncertainty and the cost, by name. */
             results: {
                 [key: string]: number | null;
